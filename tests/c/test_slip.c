@@ -36,14 +36,16 @@ enum { NODES = 9, ROWS = 6, DOFS = 3 * NODES };
 /* One point with friction, its numbers in the order of slip.h. */
 typedef struct point {
   double normal[3], k, e[3], before[3], force[3], reserve, stuck, image[3], opened, work, lag,
-      lever[3], weight[8][3];
+      lever[3], weight[8][3], sums[NODES][CT_SLIP_SUMS];
   ct_slips of;
   ct_slip slip;
 } point;
 
 static void open_point(point *p, const double normal[3], double mu)
 {
-  *p = (point){.slip.of = &p->of, .of = {.mu = mu, .stride = 1, .numbers = p->normal}};
+  *p = (point){.slip.of = &p->of,
+               .of = {.mu = mu, .stride = 1, .numbers = p->normal, .node_count = NODES,
+                      .sums = p->sums[0]}};
   memcpy(p->normal, normal, sizeof p->normal);
 }
 
@@ -462,6 +464,20 @@ static double entry(const linear *t, int j, int i)
   return 0.0;
 }
 
+/* How far the sums that the solver gives for row j are from the forces of its point. */
+static double sums_off(linear *t, int j)
+{
+  const point *p = &t->slip[j];
+  const double normal = t->row[j].force;
+  double f[DOFS] = {0.0}, off = 0.0;
+  t->row[j].force = 0.0;
+  push(t, j, f);
+  t->row[j].force = normal;
+  for (int d = 0; d < DOFS; d++)
+    off = worst(off, f[d] - (p->sums[d / 3][d % 3] + p->sums[d / 3][4 + d % 3]));
+  return off;
+}
+
 /* W T in row j: the motion by the tangential forces of all points. */
 static void motion_by_forces(linear *t, int j, double out[3])
 {
@@ -479,7 +495,7 @@ static void motion_by_forces(linear *t, int j, double out[3])
  * eq:slip-iteration, eq:slip-residual, eq:slip-set, eq:slip-row, eq:slip-start) */
 static void solution(double spread)
 {
-  double off = 0.0, bound = 0.0, slope = 0.0, start = 0.0;
+  double off = 0.0, bound = 0.0, slope = 0.0, start = 0.0, given = 0.0;
   int slips = 0, sticks = 0;
   for (int k = 0; k < 60; k++) {
     linear t;
@@ -488,31 +504,32 @@ static void solution(double spread)
     run_linear(&t, 10 + k % 7, 0, 0, &sum);
     ct_tangent *of = t.s->tangent;
     for (int64_t r = 0; r < of->count && of->top > 0.0; r++) {
-      const ct_tangent_row *row = &of->rows[r];
-      const int j = (int)(row->row - t.row);
+      const ct_constraint *row = of->rows[r];
+      const int j = (int)(row - t.row);
       const point *p = &t.slip[j];
       ct_slip_set set = {.limit = of->limit[r], .most = of->most[r]};
       ct_columns_get(&of->c, r, set.c);
       double D = 0.0, du[DOFS], motion[3], slip[3], T[3], WT[3], size = 0.0;
-      if (row->row->force == 0.0) continue;
+      if (row->force == 0.0) continue;
       for (int i = 0; i < NODES; i++) {
         double all = 0.0;
-        for (int64_t q = 0; q < of->count; q++) all += entry(&t, (int)(of->rows[q].row - t.row), i);
+        for (int64_t q = 0; q < of->count; q++) all += entry(&t, (int)(of->rows[q] - t.row), i);
         D += entry(&t, j, i) * t.dt * t.dt / t.mass[i] * all;
       }
-      const double a = row->row->dissipation * sqrt(1.0 + 4.0 / (p->k * D)),
+      const double a = row->dissipation * sqrt(1.0 + 4.0 / (p->k * D)),
                    C = 2.0 / (p->k * (1.0 + a));
       bound = worst(bound, (D + C) * of->scale[r] - 1.0);
       // The last step has led from t.last to t.u, and e is that of its end.
       for (int d = 0; d < DOFS; d++) du[d] = t.u[d] - t.last[d];
       tangential_motion(&t, j, du, motion);
-      for (int i = 0; i < 3 && row->row->other_count == 0; i++) motion[i] -= p->of.coming[i];
-      ct_vector_make_tangential(row->row->normal, motion);
+      for (int i = 0; i < 3 && row->other_count == 0; i++) motion[i] -= p->of.coming[i];
+      ct_vector_make_tangential(row->normal, motion);
       for (int i = 0; i < 3; i++) {
         slip[i] = motion[i] - (p->e[i] - p->before[i]);
         T[i] = p->force[i] - slip[i] / (D + C);
         size = fmax(size, fabs(p->force[i]));
       }
+      given = worst(given, sums_off(&t, j) / of->size_of_force);
       motion_by_forces(&t, j, WT);
       for (int i = 0; i < 3; i++)
         start = worst(start, (p->image[i] - WT[i]) / (D * of->size_of_force));
@@ -529,6 +546,7 @@ static void solution(double spread)
          spread, slips, sticks, off);
   tap_ok(bound < 1e-12, "and the bound of each row is that of a dense matrix (%.1e)", bound);
   tap_ok(start < 1e-12, "each point stores its motion by all forces (%.1e)", start);
+  tap_ok(given < 1e-15, "and gives its forces at the nodes (%.1e)", given);
   tap_ok(slope < 1e-3, "no slip is along its force (%.1e)", slope);
 }
 
@@ -547,12 +565,12 @@ static void small_couples(void)
     run_linear(&t, 10 + k % 7, 0, 0, &sum);
     const ct_tangent *of = t.s->tangent;
     for (int64_t r = 0; r < of->count && of->some && of->widening > 1.0; r++) {
-      const int j = (int)(of->rows[r].row - t.row);
+      const int j = (int)(of->rows[r] - t.row);
       double D = 0.0, B = 0.0;
       for (int i = 0; i < NODES; i++) {
         double all = 0.0, bare = 0.0;
         for (int64_t q = 0; q < of->count; q++) {
-          const int other = (int)(of->rows[q].row - t.row);
+          const int other = (int)(of->rows[q] - t.row);
           all += entry(&t, other, i), bare += bare_entry(&t, other, i);
         }
         D += entry(&t, j, i) * t.dt * t.dt / t.mass[i] * all;
@@ -615,13 +633,13 @@ static void rotation(void)
     ct_constraint row = {.own_count = 4, .other_count = 4, .own_shape = own, .other_shape = other};
     memcpy(row.normal, n, sizeof n);
     static const int32_t place[8] = {0, 4, 8, 12, 16, 20, 24, 28};
-    const ct_tangent_row r = {.row = &row, .slip = &p.slip};
+    row.slip = &p.slip;
     double couple[CT_TANGENT_LANES];
-    fill_alone(&r, couple);
+    fill_alone(&row, couple);
     relative(4, 4, &row, couple, place, u, out);
     for (int c = 0; c < 3; c++) off = worst(off, out[c]);
     memset(p.weight, 0, sizeof p.weight);
-    fill_alone(&r, couple);
+    fill_alone(&row, couple);
     relative(4, 4, &row, couple, place, u, out);
     for (int c = 0; c < 3; c++) size = worst(size, out[c]);
     plain = fmax(plain, size);

@@ -3,7 +3,7 @@
 #include "law.h"
 #include "law_rows.h"
 #include "matrix.h"
-#include "tangent_rows.h"
+#include "tangent_matrix.h"
 
 #include "../base/lanes.h"
 #include "../base/stream.h"
@@ -117,6 +117,7 @@ static void drop_rows(ct_solver *s, double near)
   int64_t count = 0, j = 0;
   int32_t set = 0;
   memcpy(s->listed, s->groups, (size_t)s->group_count * sizeof *s->groups);
+  s->every = s->listed;
   s->group_count = s->counted = 0;
   for (; g < end; g++)
     for (int32_t i = 0; i < g->rows; i++, j++) {
@@ -145,6 +146,7 @@ void ct_active_choose(ct_solver *s, int all)
   const double near = all ? HUGE_VAL : 2.0 * most;
   s->dropped_count = 0;
   memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
+  s->every = s->groups;
   if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
   begin_rows(of, s->force);
@@ -159,8 +161,9 @@ void ct_active_choose(ct_solver *s, int all)
 static int push_all(ct_solver *s)
 {
   const ct_tangent *t = s->tangent;
-  if (!ct_matrix_push_all(s, s->force)) return 0;
-  for (int32_t k = 0; t != NULL && t->some && t->coupled && k < t->node_count; k++)
+  const int both = t != NULL && t->some && t->coupled;
+  if ((both && !ct_tangent_push(s)) || !ct_matrix_push_all(s, s->force)) return 0;
+  for (int32_t k = 0; both && k < t->node_count; k++)
     for (int c = 0; c < 3; c++) s->moved[t->nodes[k] + c] += t->moved[t->nodes[k] + c];
   return 1;
 }

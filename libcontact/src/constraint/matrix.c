@@ -3,7 +3,6 @@
 #include "bodies.h"
 #include "law_rows.h"
 #include "products.h"
-#include "slip.h"
 
 #include "../base/grid.h"
 #include "../base/lanes.h"
@@ -51,13 +50,6 @@ CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, doub
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
-/* Tell the friction of a group's rows the places of their nodes. */
-static void place_slips(ct_constraint *const *row, const ct_group *g)
-{
-  for (int32_t r = 0; r < g->rows; r++)
-    if (row[r]->slip != NULL) row[r]->slip->place = g->place;
-}
-
 /* What differs between the groups: a normal from that of the first row of all; and the nodes of a
  * group, or where they begin, from those of the last step. */
 typedef struct changes {
@@ -100,7 +92,6 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     find_places(other, theirs, number, place + own);
   }
   g->face = (int16_t)(own == 4 && rows == 4 && are_square(row));
-  if (s->tangent != NULL) place_slips(row, g);
   g[1].first = g->first + rows * step;
   d->begin |= g[1].place != g->place + own + other;
   g[1].place = g->place + own + other;
@@ -179,7 +170,6 @@ CT_INLINE int keep_rows(ct_solver *s)
     for (; g < end && r < first + ROWS; r += g->rows, g++) {
       if (g->rows == 4) compare(4, g, &s->rows[r], &s->G[g->first], &d);
       else compare(g->rows, g, &s->rows[r], &s->G[g->first], &d);
-      if (s->tangent != NULL) place_slips(&s->rows[r], g);
     }
     if (!are_equal(&d)) return 0;
     ct_law_rows_read(&s->laws, s->rows, first, r);

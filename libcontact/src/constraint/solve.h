@@ -93,6 +93,7 @@ typedef struct ct_solver {
   int64_t group_count;
   ct_group *groups;       /* of the listed rows, and then of the active ones */
   ct_group *listed;       /* of the listed rows, while the active ones are chosen */
+  const ct_group *every;  /* of the listed rows in this step: the former, if one was dropped */
   double *G;              /* the numbers of all rows */
   int along;              /* whether all rows have one normal; then vectors at nodes have their
                              part along it as the fourth component */

@@ -36,7 +36,9 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   if (t == NULL) return;
   t->most_rounds = MOST_ROUNDS;
   t->rows = ct_pool_take(pool, rows, sizeof *t->rows);
+  t->groups = ct_pool_take(pool, rows, sizeof *t->groups);
   t->nodes = ct_pool_take(pool, nodes, sizeof *t->nodes);
+  t->cut = ct_pool_take(pool, nodes, CT_SLIP_SUMS * sizeof *t->cut);
   double **vectors[] = {&t->sums, &t->moved, &t->pressed, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
@@ -140,7 +142,7 @@ static void fix_limits(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   const int alone = t->active && s->count == s->point_count; // no point has a second force
-  for (int64_t j = 0; !alone && j < t->count; j++) t->terms[j] = t->rows[j].row->force;
+  for (int64_t j = 0; !alone && j < t->count; j++) t->terms[j] = t->rows[j]->force;
   t->top = find_limits(t->count, t->mu, alone ? s->force : t->terms, t->limit);
   ct_pieces_largest(s->pieces, &t->top, 1);
 }
@@ -450,9 +452,7 @@ static void shorten_forces(ct_solver *s)
       t->slip.x[c][j] = (t->image.x[c][j] + t->C[j] * t->T.x[c][j]) + t->q.x[c][j];
     }
   for (int64_t j = 0; j < t->count; j++) t->opened[j] *= theta;
-  for (int32_t k = 0; k < t->node_count; k++)
-    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] *= theta;
-  t->shifted = 0;
+  t->pushed = t->shifted = 0;
 }
 
 /* Whether a normal force has changed so much that the limits must follow it. */
@@ -461,7 +461,7 @@ static int has_new_limits(ct_solver *s)
   const ct_tangent *t = s->tangent;
   double change = 0.0;
   for (int64_t j = 0; j < t->count; j++)
-    change = fmax(change, fabs(t->mu[j] * t->rows[j].row->force - t->limit[j]));
+    change = fmax(change, fabs(t->mu[j] * t->rows[j]->force - t->limit[j]));
   ct_pieces_largest(s->pieces, &change, 1);
   return change > LIMIT_CHANGE * t->top;
 }
@@ -520,9 +520,7 @@ int ct_tangent_drop(ct_solver *s)
   if (!t->some) return 1;
   for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
   memset(t->opened, 0, size);
-  for (int32_t k = 0; k < t->node_count; k++)
-    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
-  t->shifted = 0;
+  t->pushed = t->shifted = 0;
   ct_tangent_settle(s, 0.0);
   return shift_gaps(s, &change);
 }

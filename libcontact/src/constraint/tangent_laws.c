@@ -31,7 +31,7 @@ int ct_tangent_fix_laws(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!ct_tangent_bound(s)) return 0;
-  for (int64_t j = 0; j < t->count && !t->active; j++) t->zeta[j] = t->rows[j].row->dissipation;
+  for (int64_t j = 0; j < t->count && !t->active; j++) t->zeta[j] = t->rows[j]->dissipation;
   const double *zeta = t->active ? s->laws.dissipation : t->zeta;
   ct_law_dampings(t->count, zeta, t->k, t->scale, s->fraction, t->terms);
   double slowest = fix_springs(t->count, t->widening, t->k, t->terms, t->C, t->kappa, t->scale);

@@ -9,6 +9,7 @@
 #include "matrix.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
 
@@ -33,59 +34,55 @@ static const int ROW_OF[4] = {0, 1, 2, 3};
 #endif
 
 /* The numbers of four rows. */
-CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
+CT_INLINE void fill_four(ct_constraint *const *r, double *to)
 {
   const double *from[4];
   double *own[4], *other[4];
   for (int j = 0; j < 4; j++) {
-    from[j] = r[ROW_OF[j]].row->own_shape;
+    from[j] = r[ROW_OF[j]]->own_shape;
     own[j] = to + 4 * j, other[j] = to + OTHER + 4 * j;
   }
   ct_turn(from, own);
-  if (r->row->other_count == 0) return;
-  for (int j = 0; j < 4; j++) from[j] = r[ROW_OF[j]].row->other_shape;
+  if (r[0]->other_count == 0) return;
+  for (int j = 0; j < 4; j++) from[j] = r[ROW_OF[j]]->other_shape;
   ct_turn(from, other);
-  const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
-  const int64_t stride = r->slip->of->stride;
+  const double *number = ct_slip_number(r[0]->slip, CT_SLIP_LEVER);
+  const int64_t stride = r[0]->slip->of->stride;
   for (int i = 0; i < 15; i++, number += stride)
     for (int k = 0; k < PARTS; k++)
       ((ct_quad *)(to + LEVER + 4 * i))[k] = ACROSS(((const ct_quad *)number)[k]);
 }
 
 /* Lever and weights of a row alone. */
-static void fill_alone(const ct_tangent_row *r, double *to)
+static void fill_alone(const ct_constraint *c, double *to)
 {
-  const int32_t nodes = r->row->other_count;
+  const int32_t nodes = c->other_count;
   for (int32_t b = -1; b < nodes && nodes > 0; b++) {
     double *v = to + ALONE_WEIGHT + 4 * b;
-    ct_slip_vector(r->slip, CT_SLIP_WEIGHT + 3 * b, v);
+    ct_slip_vector(c->slip, CT_SLIP_WEIGHT + 3 * b, v);
     v[3] = 0.0;
   }
 }
 
-/* Whether the rows with the nodes of one are those of a 2 x 2 rule, with points side by side. */
-CT_INLINE int stand_together(const ct_tangent *t, const ct_tangent_row *r)
+/* Whether the rows of a group are those of a 2 x 2 rule, with points side by side. */
+CT_INLINE int stand_together(const ct_tangent_group *g, ct_constraint *const *r, int one_run)
 {
-  if (r->alike != 4 || r->row->own_count != 4 || (r->row->other_count & ~4) != 0) return 0;
-  for (int j = 1; j < 4 && !t->one_run; j++)
-    if (r[j].slip->of != r->slip->of || r[j].slip->at != r->slip->at + j) return 0;
+  if (g->rows != 4 || g->own != 4 || (g->other & ~4) != 0) return 0;
+  for (int j = 1; j < 4 && !one_run; j++)
+    if (r[j]->slip->of != r[0]->slip->of || r[j]->slip->at != r[0]->slip->at + j) return 0;
   // Their weights follow on each other; those of other points do not.
-  return r[3].row->own_shape - r->row->own_shape == 24;
+  return r[3]->own_shape - r[0]->own_shape == 24;
 }
 
 CT_CLONES
 void ct_tangent_fill(ct_tangent *t)
 {
-  for (int64_t j = 0, end; j < t->count; j = end) {
-    ct_tangent_row *r = &t->rows[j], *last = r + r->alike;
-    const int together = stand_together(t, r) ? 4 : 1;
-    end = j + r->alike;
-    for (; r < last; r += together) {
-      double *to = &t->lanes[LANES * (r - t->rows)];
-      r->together = together;
-      if (together == 4) fill_four(r, to);
-      else fill_alone(r, to);
-    }
+  for (ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    ct_constraint *const *r = &t->rows[g->first];
+    double *to = &t->lanes[LANES * g->first];
+    g->together = stand_together(g, r, t->one_run);
+    if (g->together) fill_four(r, to);
+    for (int32_t j = 0; !g->together && j < g->rows; j++, to += LANES) fill_alone(r[j], to);
   }
 }
 
@@ -176,16 +173,15 @@ CT_INLINE double relative(int32_t own, int32_t other, const ct_constraint *c, co
   return gap;
 }
 
-CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const ct_columns *to,
-                        double *gaps)
+CT_INLINE void move_row(const ct_tangent *t, const ct_tangent_group *g, int64_t j, const double *x,
+                        const ct_columns *to, double *gaps)
 {
-  const ct_tangent_row *r = &t->rows[j];
+  const ct_constraint *c = t->rows[j];
   const double *couple = &t->lanes[LANES * j];
-  const int32_t own = r->row->own_count, other = r->row->other_count;
   double out[WIDE], gap;
-  if (own == 4 && other == 4) gap = relative(4, 4, r->row, couple, r->place, x, out);
-  else if (own == 4 && other == 0) gap = relative(4, 0, r->row, couple, r->place, x, out);
-  else gap = relative(own, other, r->row, couple, r->place, x, out);
+  if (g->own == 4 && g->other == 4) gap = relative(4, 4, c, couple, g->place, x, out);
+  else if (g->own == 4 && g->other == 0) gap = relative(4, 0, c, couple, g->place, x, out);
+  else gap = relative(g->own, g->other, c, couple, g->place, x, out);
   ct_columns_set(to, j, out);
   if (gaps != NULL) gaps[j] = gap;
 }
@@ -195,13 +191,14 @@ static void move_rows(const ct_tangent *t, const double *x, const ct_columns *ou
 {
   const ct_columns normal = t->normal,
                    to = *out; // local: no number that is written is part of them
-  const ct_tangent_row *r = t->rows, *end = r + t->count;
-  const double *lanes = t->lanes;
-  for (int64_t j = 0, rows; r < end; j += rows, r += rows, lanes += LANES * rows) {
-    rows = r->together;
-    if (rows == 1) move_row(t, j, x, &to, gaps);
-    else if (r->row->other_count == 4) move_four(4, r->place, lanes, &normal, j, x, &to, gaps);
-    else move_four(0, r->place, lanes, &normal, j, x, &to, gaps);
+  const double *all = t->lanes;
+  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    const int64_t j = g->first;
+    const double *lanes = &all[LANES * j];
+    if (g->together && g->other == 4) move_four(4, g->place, lanes, &normal, j, x, &to, gaps);
+    else if (g->together) move_four(0, g->place, lanes, &normal, j, x, &to, gaps);
+    else
+      for (int32_t r = 0; r < g->rows; r++) move_row(t, g, j + r, x, &to, gaps);
   }
 }
 
@@ -210,37 +207,50 @@ void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *o
   move_rows(t, x, out, NULL);
 }
 
-/* Add a row times a force to the sums at nodes, as multiples of the grid's spacing: these sums are
- * exact in any order (eq:order-free-sum). */
-CT_INLINE void add_row(double coarse, int32_t own, int32_t other, const ct_tangent_row *r,
-                       const double *couple, const double T[WIDE], double *sums)
+/* Add a force to the sums of a node, or subtract it, as multiples of the grids' spacings: these sums
+ * are exact in any order (eq:order-free-sum). */
+CT_INLINE void add_node(const ct_grid *grid, int subtract, const ct_quad *force, double *sums)
 {
-  const ct_constraint *c = r->row;
-  const double *weight = couple + ALONE_WEIGHT;
-  const ct_quad *force = (const ct_quad *)T, *lever = (const ct_quad *)couple;
-  for (int32_t a = 0; a < own; a++)
-    for (int i = 0; i < PARTS; i++)
-      // -- N_a T on the own face (eq:slip-row)
-      ((ct_quad *)&sums[r->place[a]])[i] += (c->own_shape[a] * force[i] + coarse) - coarse;
-  for (int32_t b = 0; b < other; b++) {
-    const double turn = ct_vector_dot(&weight[4 * b], T);
-    for (int i = 0; i < PARTS; i++)
-      // -- -(N̄_b T + (w_b · T) d) on the other
-      ((ct_quad *)&sums[r->place[own + b]])[i] -=
-          ((c->other_shape[b] * force[i] + turn * lever[i]) + coarse) - coarse;
+  ct_quad *coarse = (ct_quad *)sums, *fine = coarse + PARTS;
+  for (int i = 0; i < PARTS; i++) {
+    const ct_quad most = (force[i] + grid->coarse) - grid->coarse,
+                  rest = ((force[i] - most) + grid->fine) - grid->fine;
+    if (subtract) coarse[i] -= most, fine[i] -= rest;
+    else coarse[i] += most, fine[i] += rest;
   }
 }
 
-CT_INLINE void push_row(double coarse, const ct_tangent *t, int64_t j)
+/* Add a row times a force to the sums at nodes. */
+CT_INLINE void add_row(const ct_grid *grid, int32_t own, int32_t other, const ct_constraint *c,
+                       const int32_t *place, const double *couple, const double T[WIDE],
+                       double *sums)
 {
-  const ct_tangent_row *r = &t->rows[j];
-  const int32_t own = r->row->own_count, other = r->row->other_count;
+  const double *weight = couple + ALONE_WEIGHT;
+  const ct_quad *force = (const ct_quad *)T, *lever = (const ct_quad *)couple;
+  ct_quad part[PARTS];
+  for (int32_t a = 0; a < own; a++) {
+    // -- N_a T on the own face (eq:slip-row)
+    for (int i = 0; i < PARTS; i++) part[i] = c->own_shape[a] * force[i];
+    add_node(grid, 0, part, &sums[2 * place[a]]);
+  }
+  for (int32_t b = 0; b < other; b++) {
+    const double turn = ct_vector_dot(&weight[4 * b], T);
+    // -- -(N̄_b T + (w_b · T) d) on the other
+    for (int i = 0; i < PARTS; i++) part[i] = c->other_shape[b] * force[i] + turn * lever[i];
+    add_node(grid, 1, part, &sums[2 * place[own + b]]);
+  }
+}
+
+CT_INLINE void push_row(const ct_grid *grid, const ct_tangent *t, const ct_tangent_group *g,
+                        int64_t j)
+{
   const double *couple = &t->lanes[LANES * j];
   double T[WIDE] = {0.0};
   ct_columns_get(&t->T, j, T);
-  if (own == 4 && other == 4) add_row(coarse, 4, 4, r, couple, T, t->sums);
-  else if (own == 4 && other == 0) add_row(coarse, 4, 0, r, couple, T, t->sums);
-  else add_row(coarse, own, other, r, couple, T, t->sums);
+  if (g->own == 4 && g->other == 4) add_row(grid, 4, 4, t->rows[j], g->place, couple, T, t->cut);
+  else if (g->own == 4 && g->other == 0)
+    add_row(grid, 4, 0, t->rows[j], g->place, couple, T, t->cut);
+  else add_row(grid, g->own, g->other, t->rows[j], g->place, couple, T, t->cut);
 }
 
 /* The sums over four rows of three numbers each, in pairs across the middle of their face
@@ -262,28 +272,18 @@ CT_INLINE void sum_lanes(const ct_quad *v, ct_quad *out)
 #endif
 }
 
-/* Add the sums over four rows to those of their node, or subtract them, as multiples of the grid's
- * spacing (eq:order-free-sum). */
-CT_INLINE void add_node(double coarse, int subtract, const ct_quad *v, double *sums)
-{
-  ct_quad sum[PARTS], *to = (ct_quad *)sums;
-  sum_lanes(v, sum);
-  for (int i = 0; i < PARTS; i++)
-    if (subtract) to[i] -= (sum[i] + coarse) - coarse;
-    else to[i] += (sum[i] + coarse) - coarse;
-}
-
 /* As `add_row`, of four rows. */
-CT_INLINE void add_four(double coarse, int32_t other, const int32_t *place, const double *lanes,
-                        const ct_quad *T, double *sums)
+CT_INLINE void add_four(const ct_grid *grid, int32_t other, const int32_t *place,
+                        const double *lanes, const ct_quad *T, double *sums)
 {
   const ct_quad *N = (const ct_quad *)lanes, *O = N + PARTS * 4, *d = N + PARTS * 8,
                 *w = N + PARTS * 11;
-  ct_quad v[3 * PARTS];
+  ct_quad v[3 * PARTS], sum[PARTS];
   for (int32_t a = 0; a < 4; a++) {
     // -- N_a T on the own face (eq:slip-row)
     for (int k = 0; k < 3 * PARTS; k++) v[k] = N[PARTS * a + k % PARTS] * T[k];
-    add_node(coarse, 0, v, &sums[place[a]]);
+    sum_lanes(v, sum);
+    add_node(grid, 0, sum, &sums[2 * place[a]]);
   }
   for (int32_t b = 0; b < other; b++, w += 3 * PARTS) {
     ct_quad turn[PARTS];
@@ -292,47 +292,73 @@ CT_INLINE void add_four(double coarse, int32_t other, const int32_t *place, cons
     // -- -(N̄_b T + (w_b · T) d) on the other
     for (int k = 0; k < 3 * PARTS; k++)
       v[k] = O[PARTS * b + k % PARTS] * T[k] + turn[k % PARTS] * d[k];
-    add_node(coarse, 1, v, &sums[place[4 + b]]);
+    sum_lanes(v, sum);
+    add_node(grid, 1, sum, &sums[2 * place[4 + b]]);
   }
 }
 
-CT_INLINE void push_four(double coarse, int32_t other, const int32_t *place, const double *lanes,
-                         const ct_columns *from, int64_t j, double *sums)
+CT_INLINE void push_four(const ct_grid *grid, int32_t other, const int32_t *place,
+                         const double *lanes, const ct_columns *from, int64_t j, double *sums)
 {
   ct_quad T[3 * PARTS];
   for (int k = 0; k < 3 * PARTS; k++)
     T[k] = ACROSS(((const ct_quad *)&from->x[k / PARTS][j])[k % PARTS]);
-  add_four(coarse, other, place, lanes, T, sums);
+  add_four(grid, other, place, lanes, T, sums);
 }
 
+/* The sums of the forces T of some groups. */
 CT_CLONES
-static void push_rows(double coarse, const ct_tangent *t)
+static void push_groups(const ct_tangent *t, const ct_tangent_group *g, const ct_tangent_group *end)
 {
   const ct_columns T = t->T; // local, as in move_rows
-  const ct_tangent_row *r = t->rows, *end = r + t->count;
-  const double *lanes = t->lanes;
-  double *sums = t->sums;
-  for (int64_t j = 0, rows; r < end; j += rows, r += rows, lanes += LANES * rows) {
-    rows = r->together;
-    if (rows == 1) push_row(coarse, t, j);
-    else if (r->row->other_count == 4) push_four(coarse, 4, r->place, lanes, &T, j, sums);
-    else push_four(coarse, 0, r->place, lanes, &T, j, sums);
+  const ct_grid grid = t->grid;
+  const double *all = t->lanes;
+  double *sums = t->cut;
+  ct_tangent_clear(t);
+  for (; g < end; g++) {
+    const int64_t j = g->first;
+    const double *lanes = &all[LANES * j];
+    if (g->together && g->other == 4) push_four(&grid, 4, g->place, lanes, &T, j, sums);
+    else if (g->together) push_four(&grid, 0, g->place, lanes, &T, j, sums);
+    else
+      for (int32_t r = 0; r < g->rows; r++) push_row(&grid, t, g, j + r);
   }
+}
+
+void ct_tangent_clear(const ct_tangent *t)
+{
+  for (int32_t k = 0; k < t->node_count; k++)
+    memset(&t->cut[2 * t->nodes[k]], 0, CT_SLIP_SUMS * sizeof *t->cut);
 }
 
 int ct_tangent_push(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  ct_grid grid;
   if (t->pushed) return 1;
   // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
-  if (!ct_grid_init(&grid, 4.0 * s->weight * t->most_force, t->most_row_count)) return 0;
-  push_rows(grid.coarse, t);
+  if (!ct_grid_init(&t->grid, 4.0 * s->weight * t->most_force, t->most_row_count)) return 0;
+  push_groups(t, t->groups, t->groups + t->group_count);
+  for (int32_t k = 0; k < t->node_count; k++)
+    memcpy(&t->sums[t->nodes[k]], &t->cut[2 * t->nodes[k]], WIDE * sizeof *t->sums);
   ct_tangent_join(s, 0, 3);
   ct_matrix_move(s, t->node_count, t->nodes, t->sums, t->moved);
   s->iterations++;
   t->pushed = 1;
   return 1;
+}
+
+void ct_tangent_give(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  const ct_tangent_group *g = t->groups, *end = g + t->group_count, *next;
+  for (; g < end; g = next) {
+    const ct_slips *of = t->rows[g->first]->slip->of;
+    for (next = g + 1; next < end && t->rows[next->first]->slip->of == of;) next++;
+    if (!t->pushed || next - g < t->group_count) push_groups(t, g, next), t->pushed = 0;
+    for (int32_t n = 0; n < of->node_count; n++)
+      memcpy(&of->sums[CT_SLIP_SUMS * (int64_t)n], &t->cut[CT_SLIP_SUMS * (int64_t)of->place[n]],
+             CT_SLIP_SUMS * sizeof *t->cut);
+  }
 }
 
 int ct_tangent_apply(ct_solver *s)
@@ -346,9 +372,8 @@ int ct_tangent_apply(ct_solver *s)
 }
 
 /* Sizes of the entries of one row, for each node (eq:slip-bound). Returns the largest. */
-static double size_row(const ct_tangent_row *r, const double *couple, double *size)
+static double size_row(const ct_constraint *c, const double *couple, double *size)
 {
-  const ct_constraint *c = r->row;
   const double d = ct_vector_dot(couple, couple);
   double top = 0.0;
   for (int32_t a = 0; a < c->own_count; a++) {
@@ -394,15 +419,15 @@ CT_INLINE double size_four(int32_t other, const double *lanes, double *size)
 CT_CLONES
 static double size_rows(const ct_tangent *t)
 {
-  double top = 1.0, own;
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
-    const ct_tangent_row *r = &t->rows[j];
-    const double *lanes = &t->lanes[LANES * j];
-    double *size = &t->size[CT_ROW_NODES * j];
-    if (r->together == 1) own = size_row(r, lanes, size);
-    else if (r->row->other_count == 4) own = size_four(4, lanes, size);
-    else own = size_four(0, lanes, size);
-    top = ct_larger(own, top);
+  double top = 1.0;
+  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    const double *lanes = &t->lanes[LANES * g->first];
+    double *size = &t->size[CT_ROW_NODES * g->first];
+    if (g->together)
+      top = ct_larger(g->other == 4 ? size_four(4, lanes, size) : size_four(0, lanes, size), top);
+    for (int32_t r = 0; !g->together && r < g->rows; r++)
+      top = ct_larger(
+          size_row(t->rows[g->first + r], lanes + LANES * r, size + CT_ROW_NODES * r), top);
   }
   return top;
 }
@@ -422,13 +447,14 @@ CT_INLINE void sum_rows(double coarse, int rows, int32_t nodes, const int32_t *p
 CT_CLONES
 static void sum_sizes(double coarse, const ct_tangent *t)
 {
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
-    const ct_tangent_row *r = &t->rows[j];
-    const int32_t nodes = r->row->own_count + r->row->other_count;
-    const double *size = &t->size[CT_ROW_NODES * j];
-    if (r->together == 1) sum_rows(coarse, 1, nodes, r->place, size, t->sums);
-    else if (nodes == 8) sum_rows(coarse, 4, 8, r->place, size, t->sums);
-    else sum_rows(coarse, 4, 4, r->place, size, t->sums);
+  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    const int32_t nodes = g->own + g->other;
+    const double *size = &t->size[CT_ROW_NODES * g->first];
+    if (g->together && nodes == 8) sum_rows(coarse, 4, 8, g->place, size, t->sums);
+    else if (g->together) sum_rows(coarse, 4, 4, g->place, size, t->sums);
+    else
+      for (int32_t r = 0; r < g->rows; r++, size += CT_ROW_NODES)
+        sum_rows(coarse, 1, nodes, g->place, size, t->sums);
   }
 }
 
@@ -460,13 +486,14 @@ CT_INLINE void bound_rows(int rows, int32_t own, int32_t other, const int32_t *p
 CT_CLONES
 static void bound_all(const ct_tangent *t)
 {
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
-    const ct_tangent_row *r = &t->rows[j];
-    const int32_t own = r->row->own_count, other = r->row->other_count;
-    const double *size = &t->size[CT_ROW_NODES * j];
-    if (r->together == 1) bound_rows(1, own, other, r->place, size, t->moved, &t->scale[j]);
-    else if (other == 4) bound_rows(4, 4, 4, r->place, size, t->moved, &t->scale[j]);
-    else bound_rows(4, 4, 0, r->place, size, t->moved, &t->scale[j]);
+  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    const double *size = &t->size[CT_ROW_NODES * g->first];
+    double *to = &t->scale[g->first];
+    if (g->together && g->other == 4) bound_rows(4, 4, 4, g->place, size, t->moved, to);
+    else if (g->together) bound_rows(4, 4, 0, g->place, size, t->moved, to);
+    else
+      for (int32_t r = 0; r < g->rows; r++, size += CT_ROW_NODES)
+        bound_rows(1, g->own, g->other, g->place, size, t->moved, to + r);
   }
 }
 
@@ -489,12 +516,14 @@ CT_CLONES
 static double largest_couple(const ct_tangent *t)
 {
   double most = 0.0;
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
-    const double *lanes = &t->lanes[LANES * j], *w = lanes + ALONE_WEIGHT;
-    const int32_t other = t->rows[j].row->other_count;
-    if (other > 0 && t->rows[j].together == 4) most = ct_larger(couple_four(lanes), most);
-    for (int32_t b = 0; t->rows[j].together == 1 && b < other; b++, w += 4)
-      most = ct_larger(ct_vector_dot(w, w) * ct_vector_dot(lanes, lanes), most);
+  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
+    const double *lanes = &t->lanes[LANES * g->first];
+    if (g->other > 0 && g->together) most = ct_larger(couple_four(lanes), most);
+    for (int32_t r = 0; g->other > 0 && !g->together && r < g->rows; r++, lanes += LANES)
+      for (int32_t b = 0; b < g->other; b++) {
+        const double *w = lanes + ALONE_WEIGHT + 4 * b;
+        most = ct_larger(ct_vector_dot(w, w) * ct_vector_dot(lanes, lanes), most);
+      }
   }
   return most;
 }

@@ -17,9 +17,15 @@ void ct_tangent_fill(ct_tangent *tangent);
  * nodes. */
 void ct_tangent_motion(const ct_tangent *tangent, const double *x, const ct_columns *out);
 
+/* Clear the sums of forces at the nodes on which rows act. */
+void ct_tangent_clear(const ct_tangent *tangent);
+
 /* `moved` = motion of the nodes by the forces T, if it is not current. Returns 0 if they are not
  * finite. */
 int ct_tangent_push(ct_solver *solver);
+
+/* Write the sums of the forces T at nodes for those who have listed the rows. */
+void ct_tangent_give(ct_solver *solver);
 
 /* `image` = W times the forces T, if it is not current. Returns 0 if they are not finite. */
 int ct_tangent_apply(ct_solver *solver);

@@ -28,9 +28,8 @@ static void count_nodes(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double most = 0.0;
-  for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
-    for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++)
-      t->sums[r->place[a] + 3] += r->alike;
+  for (const ct_tangent_group *g = t->groups; g < t->groups + t->group_count; g++)
+    for (int32_t a = 0; a < g->own + g->other; a++) t->sums[g->place[a] + 3] += g->rows;
   ct_tangent_join(s, 3, 1);
   t->node_count = 0;
   for (int32_t n = 0; n < s->node_count; n++) {
@@ -46,6 +45,7 @@ static void count_nodes(ct_solver *s)
 static void list_nodes(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
+  ct_tangent_clear(t);
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
   if (!t->active) {
@@ -72,51 +72,72 @@ static int are_coupled(const ct_solver *s)
 {
   const ct_tangent *t = s->tangent;
   if (!s->along || s->bodies != NULL) return 1;
-  for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
-    if (r->row->other_count > 0) return 1;
+  for (const ct_tangent_group *g = t->groups; g < t->groups + t->group_count; g++)
+    if (g->other > 0) return 1;
   for (int32_t k = 0; k < s->active_node_count; k++)
     if (!keeps(&s->mobility[s->active_nodes[k]], s->normal)) return 1;
   return 0;
 }
 
-/* Write a row of the list; `head` is the first of those before it with the same nodes, or null.
- * Returns that of the next row. */
-CT_INLINE ct_tangent_row *list_row(const int32_t *places, ct_constraint *c, ct_tangent_row *r,
-                                   ct_tangent_row *head)
+/* Whether a row without a law has friction of its given force. */
+static int is_given(const ct_constraint *c)
 {
-  r->row = c, r->slip = c->slip, r->place = &places[c->slip->place];
-  r->alike = r->together = 1;
-  if (head == NULL || head->place != r->place) return r;
-  head->alike++;
-  return head;
+  return c->force > 0.0 && !ct_law_has_rows(c->enforcement);
 }
 
-/* List the rows. Returns the number of those with friction among the active ones. */
-static int64_t list_rows(ct_solver *s)
+/* The next active row, the number of listed ones, and whether these differ. */
+typedef struct listing {
+  int64_t active, count;
+  int differ;
+} listing;
+
+/* List the rows of a group, of which all are active or perhaps not. */
+CT_INLINE void list_group(int all, const ct_solver *s, ct_constraint *const *row, int32_t rows,
+                          listing *of)
 {
-  ct_constraint **active = s->active, **end = s->active + s->point_count;
-  ct_tangent_row *r = s->tangent->rows, *head = NULL;
-  int64_t actives = 0;
-  for (ct_constraint **at = s->rows, **last = at + s->first[s->set_count]; at < last; at++) {
-    ct_constraint *c = *at;
-    const int is_active = active < end && *active == c;
-    active += is_active;
-    if (c->slip == NULL) continue;
-    actives += is_active;
-    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement)))
-      head = list_row(s->entry_place, c, r++, head);
-    else ct_slip_open(c->slip);
+  ct_constraint *const *active = s->active, **list = s->tangent->rows;
+  const int64_t count = s->point_count;
+  listing l = *of;
+  for (int32_t r = 0; r < rows; r++) {
+    ct_constraint *c = row[r];
+    const int is_active = all || (l.active < count && active[l.active] == c),
+              rubs = c->slip != NULL && (is_active || is_given(c));
+    l.active += is_active;
+    l.differ |= rubs != is_active;
+    if (rubs) list[l.count++] = c;
+    else if (c->slip != NULL) ct_slip_open(c->slip);
   }
-  s->tangent->count = r - s->tangent->rows;
-  return actives;
+  *of = l;
+}
+
+/* List the rows, in groups with the same nodes. Returns whether they are not the active ones. */
+static int list_rows(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  const ct_group *g = s->every;
+  ct_tangent_group *own = t->groups;
+  listing of = {0};
+  for (int32_t k = 0; k < s->set_count; k++)
+    for (int64_t r = s->first[k]; r < s->first[k + 1]; r += g->rows, g++) {
+      const int64_t first = of.count;
+      if (s->every == s->groups) list_group(1, s, &s->rows[r], g->rows, &of);
+      else list_group(0, s, &s->rows[r], g->rows, &of);
+      if (of.count == first) continue;
+      t->rows[first]->slip->of->place = &s->place[s->first_node[k]];
+      *own++ = (ct_tangent_group){
+          first, &s->entry_place[g->place], (int32_t)(of.count - first), g->own, g->other, 0};
+    }
+  t->count = of.count;
+  t->group_count = own - t->groups;
+  return of.differ;
 }
 
 int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
 {
-  const ct_slip *first = t->rows[j].slip;
+  const ct_slip *first = t->rows[j]->slip;
   int64_t count = t->one_run ? t->count - j : 1;
-  while (j + count < t->count && t->rows[j + count].slip->of == first->of &&
-         t->rows[j + count].slip->at == first->at + count)
+  while (j + count < t->count && t->rows[j + count]->slip->of == first->of &&
+         t->rows[j + count]->slip->at == first->at + count)
     count++;
   return count;
 }
@@ -127,11 +148,11 @@ static void place_numbers(ct_tangent *t)
 {
   const int64_t last = t->count - 1;
   // The rows of one ct_slips follow on each other, in the order of its points.
-  t->one_run = last >= 0 && t->rows[last].slip->of == t->rows[0].slip->of &&
-               t->rows[last].slip->at - t->rows[0].slip->at == last;
+  t->one_run = last >= 0 && t->rows[last]->slip->of == t->rows[0]->slip->of &&
+               t->rows[last]->slip->at - t->rows[0]->slip->at == last;
   for (int i = 0; i < CT_SLIP_GIVEN; i++) {
     const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
-    t->given[i] = shared ? ct_slip_number(t->rows[0].slip, i) : t->own[i];
+    t->given[i] = shared ? ct_slip_number(t->rows[0]->slip, i) : t->own[i];
   }
   ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T, &t->was_image};
   static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE,
@@ -146,7 +167,7 @@ CT_CLONES
 static void read_points(ct_tangent *t)
 {
   for (int64_t j = 0, count; j < t->count; j += count) {
-    const ct_slip *first = t->rows[j].slip;
+    const ct_slip *first = t->rows[j]->slip;
     count = ct_tangent_run(t, j);
     t->some_move |= first->of->moves;
     for (int i = 0; i < CT_SLIP_GIVEN; i++) {
@@ -179,13 +200,13 @@ static double make_tangential(const ct_tangent *t)
 void ct_tangent_take_off(const ct_tangent *t, int next, const ct_columns *motion)
 {
   for (int64_t j = 0; j < t->count && t->some_move; j++) {
-    const ct_slips *of = t->rows[j].slip->of;
+    const ct_slips *of = t->rows[j]->slip->of;
     const double *way = next ? of->coming : of->came;
     double D[3];
     if (!of->moves) continue;
     ct_columns_get(motion, j, D);
     for (int i = 0; i < 3; i++) D[i] -= way[i];
-    ct_vector_make_tangential(t->rows[j].row->normal, D);
+    ct_vector_make_tangential(t->rows[j]->normal, D);
     ct_columns_set(motion, j, D);
   }
 }
@@ -203,12 +224,11 @@ static void find_last(ct_solver *s)
 void ct_tangent_list(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  const int64_t actives = list_rows(s);
+  const int differ = list_rows(s);
   t->some_move = 0;
   place_numbers(t);
   read_points(t);
-  double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0,
-                    actives < t->count || actives < s->point_count};
+  double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0, differ};
   ct_pieces_largest(s->pieces, facts, 4);
   t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];
   t->active = facts[3] == 0.0;

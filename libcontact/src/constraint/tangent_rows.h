@@ -1,6 +1,7 @@
 #ifndef CT_SRC_CONSTRAINT_TANGENT_ROWS_H
 #define CT_SRC_CONSTRAINT_TANGENT_ROWS_H
 
+#include "../base/grid.h"
 #include "slip.h"
 #include "solve.h"
 
@@ -12,21 +13,24 @@ typedef struct ct_columns {
   double *x[3];
 } ct_columns;
 
-/* One row with friction. */
-typedef struct ct_tangent_row {
-  ct_constraint *row;
-  ct_slip *slip;
-  const int32_t *place; /* of its nodes in vectors at nodes */
-  int32_t alike;        /* of the first of several rows with the same nodes: their number */
-  int32_t together;     /* number of rows from this one on that are computed side by side: 4 or 1 */
-} ct_tangent_row;
+/* Consecutive rows with friction that have the same nodes. */
+typedef struct ct_tangent_group {
+  int64_t first;            /* row */
+  const int32_t *place;     /* of the nodes in vectors at nodes */
+  int32_t rows, own, other; /* numbers of rows, and of nodes of both faces */
+  int together;             /* whether they are four rows that are computed side by side */
+} ct_tangent_group;
 
 typedef struct ct_tangent {
   int64_t count;
-  ct_tangent_row *rows;
+  ct_constraint **rows;
+  int64_t group_count;
+  ct_tangent_group *groups;
   int32_t node_count, *nodes;   /* places of the nodes on which these rows act */
   int32_t most_row_count;       /* largest number of rows at a node */
   double *sums, *moved;         /* as of the solver, of the tangential forces */
+  ct_grid grid;                 /* of the last forces whose motion was found, ... */
+  double *cut;                  /* ... and their sums at `nodes`, as in ct_slips; else 0 */
   double *pressed;              /* motion of the nodes by the normal forces, if these have several
                                    directions and it matters */
   double *drift;                /* displacement increment without friction */
@@ -69,7 +73,7 @@ typedef struct ct_tangent {
   int some;                     /* whether any piece has rows */
   int active;                   /* whether they are the active rows, in all pieces */
   int coupled;          /* whether normal and tangential forces change each other's motion */
-  int pushed;           /* whether `moved` is that of T */
+  int pushed;           /* whether `cut` and `moved` are those of T */
   int current;          /* whether `image` is that of T */
   int shifted;          /* whether `shift` is that of T */
   double top;           /* the largest limit */

@@ -54,7 +54,6 @@ static void list_points(ct_friction_memory *s, const ct_friction_call *now)
         if (point->listed) s->listed[s->listed_count++] = (ct_friction_point){point, first + i, k};
         else point->row.slip = NULL;
       }
-    s->listed_end[k] = s->listed_count;
   }
   for (int64_t n = s->listed_count; n > 0 && n % CT_BATCH != 0; n++)
     s->listed[n] = s->listed[n - 1];
@@ -93,6 +92,7 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
     s->slips.came[c] = on->part * on->came[c];
     s->slips.coming[c] = on->coming[c];
   }
+  ct_clear(s->slips.sums, CT_SLIP_SUMS * (size_t)s->slips.node_count);
   list_points(s, &now);
   treat(s, &now, 0);
   return count;
@@ -118,6 +118,14 @@ static void count_energy(ct_friction_memory *s)
   tail->lost += lost;
 }
 
+/* The forces at the nodes, of the sums of all pieces. */
+CT_CLONES
+static void add_sums(int32_t nodes, const double *sums, double *restrict force)
+{
+  for (int32_t n = 0; n < nodes; n++, sums += CT_SLIP_SUMS)
+    for (int c = 0; c < 3; c++) force[3 * (int64_t)n + c] = sums[c] + sums[CT_SLIP_SUMS / 2 + c];
+}
+
 static ct_status find_forces(void *state, const ct_surface_motion *at, double *force,
                              ct_error *error)
 {
@@ -126,12 +134,14 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   const ct_friction_call now = begin(s, at);
   treat(s, &now, 1);
   clear_memory(s, at);
-  ct_status status = ct_friction_gather(&now, s, data->is.node_count, force, error);
+  ct_pieces_sum(s->pieces, s->slips.sums, CT_SLIP_SUMS * (int64_t)s->slips.node_count);
+  add_sums(s->slips.node_count, s->slips.sums, force);
   count_energy(s);
-  if (status == CT_OK && data->rigid) count_motion(&now, force, s);
-  if (status == CT_OK) ct_contact_push_carrier(at->on, force, s->terms);
+  if (data->rigid) count_motion(&now, force, s);
+  ct_contact_push_carrier(at->on, force, s->terms);
   memcpy(&at->next_memory[CT_FRICTION_RECORD * data->points], &s->tail, sizeof s->tail);
-  return status;
+  (void)error;
+  return CT_OK;
 }
 
 static void find_energy(void *state, ct_interaction_energy *energy)
@@ -159,13 +169,12 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   // An odd number of batches apart, numbers of one point do not compete for places in a cache.
   s->slips = (ct_slips){.mu = data->mu,
                         .moves = data->rigid && ((const ct_contact_fixed *)interaction->on)->moves,
+                        .node_count = interaction->node_count,
                         .stride = CT_BATCH * (int64_t)(batches | 1)};
-  const size_t stride = (size_t)s->slips.stride, others = (size_t)data->other_nodes;
+  const size_t stride = (size_t)s->slips.stride;
   s->slips.numbers =
       ct_pool_take(&s->pool, stride * (size_t)ct_slip_count(data->other_nodes), sizeof(double));
-  s->turn = ct_pool_take(&s->pool, stride * others + 1, sizeof(double));
-  s->coarse = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
-  s->fine = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
+  s->slips.sums = ct_pool_take(&s->pool, nodes, CT_SLIP_SUMS * sizeof(double));
   if (!s->pool.failed) {
     *state = s;
     return CT_OK;

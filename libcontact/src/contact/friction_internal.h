@@ -56,14 +56,10 @@ typedef struct ct_friction_memory {
   ct_slip *points; /* of all points; those of the listed ones are in use */
   ct_slips slips;  /* of the listed points, in this order */
   int64_t listed_count;
-  int64_t listed_end[2];            /* where those of each side end */
   struct ct_friction_point *listed; /* the points whose rows are listed in this step */
   ct_face_axes *axes;               /* of the listed points, from the list of rows to the forces */
   int has_axes;                     /* 0: those of space, at an obstacle that no body carries */
-  double *turn;            /* w_b · T of the listed points, for the nodes of the other face, as in
-                              `slips` */
   const ct_pieces *pieces; /* those of the sides */
-  double *coarse, *fine;   /* sums at the nodes, and one number more, 0 */
   double *terms;           /* one number per point or node */
   ct_friction_tail tail;
   double held, dissipated; /* at t_n */
@@ -101,10 +97,5 @@ static inline double *ct_friction_numbers(const ct_friction_memory *state, int i
 {
   return &state->slips.numbers[state->slips.stride * i + first];
 }
-
-/* Tractions and couples of all points at the nodes, in sums that do not depend on their order
- * (eq:slip-row). */
-ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_memory *state, int32_t nodes,
-                             double *force, ct_error *error);
 
 #endif

@@ -399,42 +399,12 @@ CT_INLINE void keep(int turned, const double *e, int64_t stride, const ct_face_a
   }
 }
 
-/* The largest component of a vector in a lane. */
-CT_INLINE double largest(const double *v, int64_t stride, int l)
-{
-  return ct_larger(ct_larger(fabs(v[l]), fabs(v[stride + l])), fabs(v[2 * stride + l]));
-}
-
-/* The weights of the couples of eight points, for the nodes of the other face, and a bound of the
- * components of their forces at nodes. `of` has the numbers of the first point. */
-CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *restrict turn,
-                          double *restrict most)
-{
-  const double *T = of + stride * CT_SLIP_FORCE, *w = of + stride * CT_SLIP_WEIGHT,
-               *d = of + stride * CT_SLIP_LEVER;
-#pragma omp simd
-  for (int l = 0; l < CT_BATCH; l++) {
-    double top = 0.0;
-    for (int b = 0; b < nodes; b++) {
-      const double *v = w + 3 * stride * b;
-      const double own =
-          (v[l] * T[l] + v[stride + l] * T[stride + l]) + v[2 * stride + l] * T[2 * stride + l];
-      turn[stride * b + l] = own;
-      top = ct_larger(fabs(own), top);
-    }
-    const double force = largest(T, stride, l);
-    most[l] = nodes == 0 ? force : ct_larger(top * largest(d, stride, l), force);
-  }
-}
-
 /* The records of eight points but for their partners. */
 CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (*record)[CT_BATCH])
 {
   const int64_t stride = s->slips.stride;
-  const int nodes = s->data->other_nodes;
   const double *of = ct_friction_numbers(s, 0, first);
   const ct_face_axes *axes = &s->axes[first / CT_BATCH];
-  double *turn = &s->turn[first], *most = &s->terms[first];
   if (!s->has_axes) {
     keep(0, of + stride * CT_SLIP_E, stride, axes, &record[E]);
     keep(0, of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
@@ -442,9 +412,6 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
     keep(1, of + stride * CT_SLIP_E, stride, axes, &record[E]);
     keep(1, of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
   }
-  if (nodes == 0) find_turns(0, of, stride, turn, most);
-  else if (nodes == 4) find_turns(4, of, stride, turn, most);
-  else find_turns(8, of, stride, turn, most);
   for (int i = 0; i < 6; i++) // and what follows on it, as in a slip
     memcpy(record[RESERVE + i], of + stride * (CT_SLIP_RESERVE + i), sizeof record[RESERVE + i]);
   for (int c = 0; c < 3; c++)
