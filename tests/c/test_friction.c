@@ -1,6 +1,6 @@
 /* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
  * restarts, the bound on the step. */
-#include "../../libcontact/src/constraint/tangent.c"
+#include "../../libcontact/src/constraint/tangent_iterate.c"
 #include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
 

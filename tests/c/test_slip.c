@@ -43,9 +43,9 @@ typedef struct point {
 
 static void open_point(point *p, const double normal[3], double mu)
 {
-  *p = (point){.slip.of = &p->of,
-               .of = {.mu = mu, .stride = 1, .numbers = p->normal, .node_count = NODES,
-                      .sums = p->sums[0]}};
+  *p = (point){
+      .slip.of = &p->of,
+      .of = {.mu = mu, .stride = 1, .numbers = p->normal, .node_count = NODES, .sums = p->sums[0]}};
   memcpy(p->normal, normal, sizeof p->normal);
 }
 

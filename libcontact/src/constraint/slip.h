@@ -41,8 +41,8 @@ typedef struct ct_slips {
   int64_t stride;
   double *numbers;
   /* Sums of the forces of a step at the nodes of the effect that lists the rows, for each node four
-   * of the coarse grid and four of the fine one, of this piece alone (eq:order-free-sum); the solver
-   * writes them if there are forces. */
+   * of the coarse grid and four of the fine one, of this piece alone (eq:order-free-sum); the
+   * solver writes them if there are forces. */
   int32_t node_count;
   double *sums;
   const int32_t *place; /* of these nodes among the solver's, which writes it */

@@ -1,6 +1,7 @@
 #ifndef CT_SRC_CONSTRAINT_TANGENT_MATRIX_H
 #define CT_SRC_CONSTRAINT_TANGENT_MATRIX_H
 
+#include "../base/lanes.h"
 #include "tangent_rows.h"
 
 /* The products of the tangential rows with vectors (eq:slip-row). Four rows with the same nodes are
@@ -9,6 +10,18 @@
 /* Numbers that are filled for a row: lever and weights of a row alone, each with a fourth
  * component; or its part of those of four rows, which are fewer: N_a, N̄_b, d and w_b. */
 enum { CT_TANGENT_LANES = 4 + 4 * 8 };
+
+/* Where these begin for four rows, each four doubles; and for a row alone. */
+enum {
+  CT_TANGENT_OTHER = 4 * 4,
+  CT_TANGENT_LEVER = 8 * 4,
+  CT_TANGENT_WEIGHT = 11 * 4,
+  CT_TANGENT_ALONE = 4
+};
+
+/* Four rows are those of a 2 x 2 rule. In the lanes the rows across the middle of the face stand
+ * side by side, so that they are summed in pairs (eq:tree-sum). */
+static const int CT_TANGENT_ROW[4] = {0, CT_ROWS ? 3 : 1, CT_ROWS ? 1 : 2, CT_ROWS ? 2 : 3};
 
 /* Fill the lanes of the listed rows. */
 void ct_tangent_fill(ct_tangent *tangent);

@@ -175,7 +175,8 @@ CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count, int a
   from[CT_SLIP_OPENED - FIRST] = t->opened;
   from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
   for (int i = COUNT - 1; i >= 0; i--) // e_n, before e_{n+1} takes its place
-    write_number(count, all, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j]->slip, FIRST + i));
+    write_number(count, all, &t->terms[j], &from[i][j],
+                 ct_slip_number(t->rows[j]->slip, FIRST + i));
 }
 
 /* The same of all rows. */

@@ -59,8 +59,8 @@ typedef struct ct_friction_memory {
   struct ct_friction_point *listed; /* the points whose rows are listed in this step */
   ct_face_axes *axes;               /* of the listed points, from the list of rows to the forces */
   int has_axes;                     /* 0: those of space, at an obstacle that no body carries */
-  const ct_pieces *pieces; /* those of the sides */
-  double *terms;           /* one number per point or node */
+  const ct_pieces *pieces;          /* those of the sides */
+  double *terms;                    /* one number per point or node */
   ct_friction_tail tail;
   double held, dissipated; /* at t_n */
 } ct_friction_memory;
