@@ -210,8 +210,7 @@ static int find_bound(ct_solver *s)
     ct_copy(s->scale, s->bound, rows);
     return 1;
   }
-  // Over other faces the weights of a row change in each step.
-  if (s->kept && s->groups->other == 0) memcpy(s->bound_mobility, s->mobility, nodes);
+  if (ct_matrix_stays(s)) memcpy(s->bound_mobility, s->mobility, nodes);
   set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
   ct_copy(s->bound, s->scale, rows);

@@ -158,13 +158,15 @@ CT_INLINE int are_equal(const difference *d)
           LANE(d->weight, 1) | LANE(d->weight, 2) | LANE(d->weight, 3)) == 0;
 }
 
+int ct_matrix_stays(const ct_solver *s) { return s->kept && s->groups->other == 0; }
+
 /* Read the rows for their laws as long as they are those of the last step, all at obstacles.
  * Returns whether all are: then G need not be filled. */
 CT_INLINE int keep_rows(ct_solver *s)
 {
   const ct_group *g = s->groups, *end = g + s->group_count;
   const size_t firsts = ((size_t)s->set_count + 1) * sizeof *s->first;
-  if (!s->kept || g->other != 0 || memcmp(s->first, s->first_point, firsts) != 0) return 0;
+  if (!ct_matrix_stays(s) || memcmp(s->first, s->first_point, firsts) != 0) return 0;
   for (int64_t first = 0, r = 0; g < end; first = r) {
     difference d = {0};
     for (; g < end && r < first + ROWS; r += g->rows, g++) {

@@ -10,6 +10,9 @@
  * faces at a time are read once, for their laws, too. */
 void ct_matrix_fill(ct_solver *solver);
 
+/* Whether G may be that of the next step, too: over other faces the weights of a row change. */
+int ct_matrix_stays(const ct_solver *solver);
+
 /* Add a row of a group as the last active one. */
 void ct_matrix_add(ct_solver *solver, const ct_group *of, int64_t row);
 

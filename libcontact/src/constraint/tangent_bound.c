@@ -140,37 +140,6 @@ static void bound_all(const ct_tangent *t)
   }
 }
 
-/* The largest |w_b|² |d|² of four rows. */
-CT_INLINE double couple_four(const double *lanes)
-{
-  const double *d = lanes + CT_TANGENT_LEVER, *w = lanes + CT_TANGENT_WEIGHT;
-  double most[4] = {0.0};
-  for (int32_t b = 0; b < 4; b++, w += 12)
-#pragma omp simd
-    for (int i = 0; i < 4; i++)
-      most[i] = ct_larger((w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i], most[i]);
-#pragma omp simd
-  for (int i = 0; i < 4; i++) most[i] *= (d[i] * d[i] + d[4 + i] * d[4 + i]) + d[8 + i] * d[8 + i];
-  return ct_larger(ct_larger(most[0], most[1]), ct_larger(most[2], most[3]));
-}
-
-/* The largest e² of all rows (eq:slip-bound-couples). */
-CT_CLONES
-static double largest_couple(const ct_tangent *t)
-{
-  double most = 0.0;
-  for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
-    const double *lanes = &t->lanes[LANES * g->first];
-    if (g->other > 0 && g->together) most = ct_larger(couple_four(lanes), most);
-    for (int32_t r = 0; g->other > 0 && !g->together && r < g->rows; r++, lanes += LANES)
-      for (int32_t b = 0; b < g->other; b++) {
-        const double *w = lanes + CT_TANGENT_ALONE + 4 * b;
-        most = ct_larger(ct_vector_dot(w, w) * ct_vector_dot(lanes, lanes), most);
-      }
-  }
-  return most;
-}
-
 /* The largest mobility of the nodes with rows, and minus the smallest bound of these. */
 CT_CLONES
 static void find_extremes(const ct_solver *s, double m[2])
@@ -189,7 +158,7 @@ static int widen_bound(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!t->active || s->bodies != NULL) return 0;
-  double m[3] = {largest_couple(t)};
+  double m[3] = {t->couple};
   find_extremes(s, m + 1);
   ct_pieces_largest(s->pieces, m, 3);
   // -- η = √(8 r e² max A / min B) (eq:slip-bound-couples)

@@ -63,16 +63,48 @@ CT_INLINE int stand_together(const ct_tangent_group *g, ct_constraint *const *r,
   return r[3]->own_shape - r[0]->own_shape == 24;
 }
 
-CT_CLONES
-void ct_tangent_fill(ct_tangent *t)
+/* Let `most` be at least |w_b|² |d|² of four rows, lane by lane. */
+CT_INLINE void square_four(const double *lanes, double most[4])
 {
+  const double *d = lanes + CT_TANGENT_LEVER, *w = lanes + CT_TANGENT_WEIGHT;
+  double top[4] = {0.0};
+  for (int32_t b = 0; b < 4; b++, w += 12)
+#pragma omp simd
+    for (int i = 0; i < 4; i++)
+      top[i] = ct_larger((w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i], top[i]);
+#pragma omp simd
+  for (int i = 0; i < 4; i++)
+    most[i] =
+        ct_larger(top[i] * ((d[i] * d[i] + d[4 + i] * d[4 + i]) + d[8 + i] * d[8 + i]), most[i]);
+}
+
+/* The same of a row alone. */
+static double square_alone(int32_t other, const double *lanes, double most)
+{
+  for (int32_t b = 0; b < other; b++) {
+    const double *w = lanes + CT_TANGENT_ALONE + 4 * b;
+    most = ct_larger(ct_vector_dot(w, w) * ct_vector_dot(lanes, lanes), most);
+  }
+  return most;
+}
+
+CT_CLONES
+double ct_tangent_fill(const ct_tangent *t)
+{
+  double most = 0.0, four[4] = {0.0};
   for (ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
     ct_constraint *const *r = &t->rows[g->first];
     double *to = &t->lanes[LANES * g->first];
     g->together = stand_together(g, r, t->one_run);
     if (g->together) fill_four(r, to);
-    for (int32_t j = 0; !g->together && j < g->rows; j++, to += LANES) fill_alone(r[j], to);
+    if (g->together && g->other > 0) square_four(to, four);
+    for (int32_t j = 0; !g->together && j < g->rows; j++, to += LANES) {
+      fill_alone(r[j], to);
+      most = square_alone(g->other, to, most);
+    }
   }
+  for (int i = 0; i < 4; i++) most = ct_larger(four[i], most);
+  return most;
 }
 
 /* a · b. */

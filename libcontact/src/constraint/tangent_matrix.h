@@ -23,8 +23,8 @@ enum {
  * side by side, so that they are summed in pairs (eq:tree-sum). */
 static const int CT_TANGENT_ROW[4] = {0, CT_ROWS ? 3 : 1, CT_ROWS ? 1 : 2, CT_ROWS ? 2 : 3};
 
-/* Fill the lanes of the listed rows. */
-void ct_tangent_fill(ct_tangent *tangent);
+/* Fill the lanes of the listed rows. Returns the largest e² of all (eq:slip-bound-couples). */
+double ct_tangent_fill(const ct_tangent *tangent);
 
 /* `out` = motion of each point relative to its partner, in the plane of contact, for a vector at
  * nodes. */

@@ -233,7 +233,7 @@ void ct_tangent_list(ct_solver *s)
   t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];
   t->active = facts[3] == 0.0;
   if (!t->some) return;
-  ct_tangent_fill(t);
+  t->couple = ct_tangent_fill(t);
   list_nodes(s);
   find_last(s);
 }

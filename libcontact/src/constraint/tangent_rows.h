@@ -65,6 +65,7 @@ typedef struct ct_tangent {
   double lost;                  /* their sum */
   double *wanted;               /* this reserve; -1 where the point sticks */
   double *scale;                /* 1 / D (eq:slip-bound) */
+  double couple;                /* the largest e² of all rows (eq:slip-bound-couples) */
   double widening;              /* factor of the bounds for the couples (eq:slip-bound-couples) */
   double *terms;                /* a number per row */
   double *shift;                /* of the gaps of active rows by tangential forces */

@@ -45,18 +45,18 @@ enum { LEAST_POINTS = 1024 };
 /* List the points that have rows in this step; the last one also fills the rest of its batch. */
 static void list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
-  int64_t first = 0;
-  s->listed_count = 0;
+  ct_friction_point *listed = s->listed;
+  int64_t first = 0, count = 0;
   for (int k = 0; k < s->data->sides; first += s->data->side[k++]->point_count) {
     for (ct_span run = {0}; ct_side_next(now->side[k], &run);)
       for (int64_t i = run.first; i < run.end; i++) {
         ct_point *point = &now->side[k]->points[i];
-        if (point->listed) s->listed[s->listed_count++] = (ct_friction_point){point, first + i, k};
+        if (point->listed) listed[count++] = (ct_friction_point){point, first + i, k};
         else point->row.slip = NULL;
       }
   }
-  for (int64_t n = s->listed_count; n > 0 && n % CT_BATCH != 0; n++)
-    s->listed[n] = s->listed[n - 1];
+  s->listed_count = count;
+  for (; count > 0 && count % CT_BATCH != 0; count++) listed[count] = listed[count - 1];
 }
 
 /* Prepare the listed points for the solver, or afterwards store what it found. */
