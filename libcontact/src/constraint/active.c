@@ -162,9 +162,9 @@ static int push_all(ct_solver *s)
 {
   const ct_tangent *t = s->tangent;
   const int both = t != NULL && t->some && t->coupled;
-  if ((both && !ct_tangent_push(s)) || !ct_matrix_push_all(s, s->force)) return 0;
-  for (int32_t k = 0; both && k < t->node_count; k++)
-    for (int c = 0; c < 3; c++) s->moved[t->nodes[k] + c] += t->moved[t->nodes[k] + c];
+  if ((both && !ct_tangent_push_all(s)) || !ct_matrix_push_all(s, s->force)) return 0;
+  for (int32_t k = 0; both && k < s->node_count; k++)
+    for (int c = 0; c < 3; c++) s->moved[s->all_nodes[k] + c] += t->moved[s->all_nodes[k] + c];
   return 1;
 }
 

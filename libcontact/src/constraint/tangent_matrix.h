@@ -37,6 +37,9 @@ void ct_tangent_clear(const ct_tangent *tangent);
  * finite. */
 int ct_tangent_push(ct_solver *solver);
 
+/* The same at all nodes of the solver; of pieces these are more than those of this piece's rows. */
+int ct_tangent_push_all(ct_solver *solver);
+
 /* Write the sums of the forces T at nodes for those who have listed the rows. */
 void ct_tangent_give(ct_solver *solver);
 
