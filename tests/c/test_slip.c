@@ -474,7 +474,7 @@ static double sums_off(linear *t, int j)
   push(t, j, f);
   t->row[j].force = normal;
   for (int d = 0; d < DOFS; d++)
-    off = worst(off, f[d] - (p->sums[d / 3][d % 3] + p->sums[d / 3][4 + d % 3]));
+    off = worst(off, f[d] - (p->sums[d / 3][d % 3] + p->sums[d / 3][3 + d % 3]));
   return off;
 }
 

@@ -7,7 +7,7 @@
 /* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
  * a disc, and a reserve of energy that bounds what friction may give back (eq:slip-law). */
 
-enum { CT_SLIP_SUMS = 8 }; /* numbers of a node in the sums of ct_slips */
+enum { CT_SLIP_SUMS = 6 }; /* numbers of a node in the sums of ct_slips */
 
 /* Numbers of a point: first those that the solver reads, of which it replaces those from the
  * elastic slip on; then those that it only writes; and those of its row. A vector fills three. */
@@ -40,9 +40,9 @@ typedef struct ct_slips {
   double coming[3]; /* and until the next one */
   int64_t stride;
   double *numbers;
-  /* Sums of the forces of a step at the nodes of the effect that lists the rows, for each node four
-   * of the coarse grid and four of the fine one, of this piece alone (eq:order-free-sum); the
-   * solver writes them if there are forces. */
+  /* Sums of the forces of a step at the nodes of the effect that lists the rows, for each node
+   * three of the coarse grid and three of the fine one, of this piece alone (eq:order-free-sum);
+   * the solver writes them if there are forces. */
   int32_t node_count;
   double *sums;
   const int32_t *place; /* of these nodes among the solver's, which writes it */

@@ -36,7 +36,7 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   t->rows = ct_pool_take(pool, rows, sizeof *t->rows);
   t->groups = ct_pool_take(pool, rows, sizeof *t->groups);
   t->nodes = ct_pool_take(pool, nodes, sizeof *t->nodes);
-  t->cut = ct_pool_take(pool, nodes, CT_SLIP_SUMS * sizeof *t->cut);
+  t->cut = ct_pool_take(pool, nodes, CT_TANGENT_CUT * sizeof *t->cut);
   double **vectors[] = {&t->sums, &t->moved, &t->pressed, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));

@@ -349,7 +349,7 @@ static void push_groups(const ct_tangent *t, const ct_tangent_group *g, const ct
 void ct_tangent_clear(const ct_tangent *t)
 {
   for (int32_t k = 0; k < t->node_count; k++)
-    memset(&t->cut[2 * t->nodes[k]], 0, CT_SLIP_SUMS * sizeof *t->cut);
+    memset(&t->cut[2 * t->nodes[k]], 0, CT_TANGENT_CUT * sizeof *t->cut);
 }
 
 int ct_tangent_push(ct_solver *s)
@@ -376,9 +376,9 @@ void ct_tangent_give(ct_solver *s)
     const ct_slips *of = t->rows[g->first]->slip->of;
     for (next = g + 1; next < end && t->rows[next->first]->slip->of == of;) next++;
     if (!t->pushed || next - g < t->group_count) push_groups(t, g, next), t->pushed = 0;
-    for (int32_t n = 0; n < of->node_count; n++)
-      memcpy(&of->sums[CT_SLIP_SUMS * (int64_t)n], &t->cut[CT_SLIP_SUMS * (int64_t)of->place[n]],
-             CT_SLIP_SUMS * sizeof *t->cut);
+    for (int64_t n = 0; n < of->node_count; n++)
+      for (int c = 0; c < 6; c++)
+        of->sums[CT_SLIP_SUMS * n + c] = t->cut[CT_TANGENT_CUT * (int64_t)of->place[n] + c + c / 3];
   }
 }
 
@@ -388,7 +388,8 @@ int ct_tangent_push_all(ct_solver *s)
   if (!ct_tangent_push(s)) return 0;
   if (s->pieces == NULL) return 1; // nodes without rows do not move
   for (int32_t n = 0; n < s->node_count; n++)
-    memcpy(&t->sums[WIDE * (int64_t)n], &t->cut[CT_SLIP_SUMS * (int64_t)n], WIDE * sizeof *t->sums);
+    memcpy(&t->sums[WIDE * (int64_t)n], &t->cut[CT_TANGENT_CUT * (int64_t)n],
+           WIDE * sizeof *t->sums);
   ct_pieces_sum(s->pieces, t->sums, WIDE * (int64_t)s->node_count);
   ct_matrix_move(s, s->node_count, s->all_nodes, t->sums, t->moved);
   return 1;

@@ -8,6 +8,8 @@
 /* The rows of the tangential forces (eq:slip-row). Their numbers stand side by side, row after row,
  * one array for each component. */
 
+enum { CT_TANGENT_CUT = 2 * CT_SOLVER_WIDE }; /* numbers of a node in `cut` */
+
 /* A vector of each row. */
 typedef struct ct_columns {
   double *x[3];
@@ -30,7 +32,8 @@ typedef struct ct_tangent {
   int32_t most_row_count;       /* largest number of rows at a node */
   double *sums, *moved;         /* as of the solver, of the tangential forces */
   ct_grid grid;                 /* of the last forces whose motion was found, ... */
-  double *cut;                  /* ... and their sums at `nodes`, as in ct_slips; else 0 */
+  double *cut;                  /* ... and their sums at `nodes`: four components of the coarse
+                                   grid, and four of the fine one; else 0 */
   double *pressed;              /* motion of the nodes by the normal forces, if these have several
                                    directions and it matters */
   double *drift;                /* displacement increment without friction */
