@@ -65,7 +65,7 @@ static void add_rows(const pass *p, double *rows, double *other_rows)
 {
   const ct_side *side = p->side, *other = p->other;
   for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    double N[8], k = side->points[i].row.stiffness, sum = 0.0;
+    double N[8], k = p->fixed->law.stiffness * side->fixed->weight[i], sum = 0.0;
     const double *own = side->fixed->N[i % side->fixed->rule.count];
     int32_t face = partner(p, i, N);
     if (face < 0) continue;
@@ -125,7 +125,7 @@ ct_status ct_contact_find_springs(const ct_contact *contact, ct_masses mass, dou
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
     places[s] =
         ct_allocate((size_t)contact->gaps.side[s].fixed->point_count, PLACE * sizeof *places[s]);
-    if (places[s] != NULL) list_places(&contact->gaps.side[s], places[s]);
+    if (places[s] != NULL && contact->filled) list_places(&contact->gaps.side[s], places[s]);
     if (rows[s] == NULL || places[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK)
       status = CT_ERROR_MEMORY;
   }

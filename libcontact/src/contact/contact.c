@@ -70,7 +70,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   ct_contact *contact = ct_allocate(1, sizeof *contact);
   ct_status status = contact != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (int s = 0; status == CT_OK && s < ct_gaps_surfaces(&fixed->gaps); s++)
-    status = ct_side_init(&contact->gaps.side[s], &fixed->gaps.side[s], &fixed->law);
+    status = ct_side_init(&contact->gaps.side[s], &fixed->gaps.side[s]);
   if (status == CT_OK) {
     contact->fixed = fixed;
     contact->gaps.fixed = &fixed->gaps;
@@ -184,6 +184,24 @@ static void find_part(ct_contact *contact, const ct_surface_motion *now)
   contact->part = divided ? now->before / since : 1.0;
 }
 
+void ct_contact_direct(ct_contact *contact)
+{
+  const ct_side *side = contact->gaps.side;
+  for (ct_span run = {0}; contact->axis != NULL && ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++)
+      for (int c = 0; c < 3; c++)
+        side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
+}
+
+void ct_contact_fill(ct_contact *contact)
+{
+  if (contact->filled) return;
+  for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++)
+    ct_side_fill(&contact->gaps.side[s], &contact->fixed->law);
+  ct_contact_direct(contact);
+  contact->filled = 1;
+}
+
 /* Nodes move from their places in the last step, in the first one from the reference shape, to the
  * current coordinates (eq:gap-bound). */
 static ct_status place(void *state, const ct_surface_motion *now, ct_error *error)
@@ -192,6 +210,7 @@ static ct_status place(void *state, const ct_surface_motion *now, ct_error *erro
   ct_surface_motion at = *now;
   at.first = !ct_contact_memory_begun(contact->fixed, now->memory);
   ct_status status = CT_OK;
+  ct_contact_fill(contact);
   if (at.first) status = begin(contact, &at, error);
   else if (!now->continued || contact->fixed->is.explicit)
     status = ct_contact_load(contact, now->memory, error);

@@ -78,6 +78,7 @@ struct ct_contact {
   const ct_contact_fixed *fixed;
   ct_contact_fixed *own; /* the same of a host's contact; else null */
   ct_gaps gaps;
+  int filled;     /* whether the points are set: from the first step on */
   double part;    /* of the time since the last step that the step before counts; 1, or less after a
                      step that was divided */
   double *terms;  /* memory for sums, one number per point and node */
@@ -131,6 +132,13 @@ void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes);
 void ct_contact_fixed_free(ct_contact_fixed *fixed);
 ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_error *error);
 void ct_contact_close(void *state);
+
+/* Set the points before the first step: those of this piece, which a state does not know when it is
+ * opened. */
+void ct_contact_fill(ct_contact *contact);
+
+/* At a plane, let all points act along its axis. */
+void ct_contact_direct(ct_contact *contact);
 
 /* Gaps of the points at a time, measured from their start gaps. */
 ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now, ct_error *error);

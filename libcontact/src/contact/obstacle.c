@@ -48,21 +48,11 @@ static int is_plane(const ct_contact *contact)
   return ct_obstacle_of(contact)->given.shape == CT_OBSTACLE_PLANE;
 }
 
-static void set_directions(ct_contact *contact)
-{
-  const ct_side *side = contact->gaps.side;
-  contact->axis = contact->direction;
-  for (ct_span run = {0}; ct_side_next(side, &run);)
-    for (int64_t i = run.first; i < run.end; i++)
-      for (int c = 0; c < 3; c++)
-        side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
-}
-
 static ct_status open_state(ct_contact *contact)
 {
   const ct_obstacle_def *o = &ct_obstacle_of(contact)->given;
   memcpy(contact->direction, o->axis, sizeof o->axis);
-  if (is_plane(contact)) set_directions(contact);
+  if (is_plane(contact)) contact->axis = contact->direction;
   place_at(o, 0.0, contact->place);
   if (contact->fixed->carrier != NULL) {
     contact->carried.weights =
@@ -124,7 +114,7 @@ static void move_carried(ct_contact *contact, const ct_surface_motion *now)
     contact->coming[c] = now->dt * v[c];
   }
   (void)ct_obstacle_axis(turned, contact->direction);
-  if (is_plane(contact)) set_directions(contact);
+  ct_contact_direct(contact);
   contact->reach = reach_of(contact, now);
 }
 

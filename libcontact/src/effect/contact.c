@@ -209,7 +209,6 @@ static ct_status touch_cut(const ct_effect *effect, const struct ct_piece *piece
     for (int32_t f = 0; owned != NULL && f < count; f++)
       owned[f] = piece_of(is, ct_gaps_surface(gaps, k), f, piece) == piece->def.number;
     status = owned == NULL ? CT_ERROR_MEMORY : ct_side_divide(side, owned);
-    if (status == CT_OK) status = ct_side_keep(side);
     ct_release(owned);
   }
   return status == CT_OK ? CT_OK : CT_NO_MEMORY(error, "a piece");

@@ -79,7 +79,7 @@ const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face)
   return &faces[face * fixed->search->per];
 }
 
-ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law)
+ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed)
 {
   size_t nodes = (size_t)fixed->search->node_count;
   memset(side, 0, sizeof *side);
@@ -91,19 +91,25 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_const
   if (!side->points || !side->force || !side->force_fine || !side->moved ||
       ct_search_share(fixed->search, &side->search) != CT_OK)
     return CT_ERROR_MEMORY;
-  for (int64_t i = 0; i < fixed->point_count; i++) {
-    ct_point *point = &side->points[i];
-    point->other = -1;
-    point->known = NAN;
-    point->row = *law;
-    point->row.own_count = fixed->search->per;
-    point->row.own = ct_side_row_nodes(fixed, i / fixed->rule.count);
-    point->row.own_shape = fixed->N[i % fixed->rule.count];
-    point->row.other_shape = point->N;
-    point->row.stiffness = law->stiffness * fixed->weight[i];
-    point->row.gap = NAN;
-  }
   return CT_OK;
+}
+
+void ct_side_fill(ct_side *side, const ct_constraint *law)
+{
+  const ct_side_fixed *fixed = side->fixed;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++) {
+      ct_point *point = &side->points[i];
+      point->other = -1;
+      point->known = NAN;
+      point->row = *law;
+      point->row.own_count = fixed->search->per;
+      point->row.own = ct_side_row_nodes(fixed, i / fixed->rule.count);
+      point->row.own_shape = fixed->N[i % fixed->rule.count];
+      point->row.other_shape = point->N;
+      point->row.stiffness = law->stiffness * fixed->weight[i];
+      point->row.gap = NAN;
+    }
 }
 
 ct_status ct_side_equip(ct_side *side)
@@ -149,23 +155,6 @@ ct_status ct_side_divide(ct_side *side, const uint8_t *owned)
   ct_release(side->runs);
   side->runs = runs;
   side->run_count = some;
-  return CT_OK;
-}
-
-ct_status ct_side_keep(ct_side *side)
-{
-  ct_point *points = ct_allocate((size_t)side->fixed->point_count, sizeof *points);
-  if (points == NULL) return CT_ERROR_MEMORY;
-  for (ct_span run = {0}; ct_side_next(side, &run);)
-    for (int64_t i = run.first; i < run.end; i++) {
-      const ct_point *from = &side->points[i];
-      ct_constraint *row = &points[i].row;
-      points[i] = *from;
-      if (row->own_shape == from->N) row->own_shape = points[i].N;
-      if (row->other_shape == from->N) row->other_shape = points[i].N;
-    }
-  ct_release(side->points);
-  side->points = points;
   return CT_OK;
 }
 

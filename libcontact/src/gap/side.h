@@ -124,9 +124,12 @@ void ct_side_fixed_clear(ct_side_fixed *fixed);
 /* Nodes of a face in the numbering of rows. */
 const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face);
 
-/* Create a side at the reference shape with new points. Their rows follow `law`, whose stiffness is
- * the penalty: each row has it times the point's weight. Clear the side also if this fails. */
-ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law);
+/* Create a side at the reference shape, whose points are zeros. Clear it also if this fails. */
+ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed);
+
+/* Set its points to new ones; those of other pieces stay zeros, which take no memory. Their rows
+ * follow `law`, whose stiffness is the penalty: each row has it times the point's weight. */
+void ct_side_fill(ct_side *side, const ct_constraint *law);
 void ct_side_clear(ct_side *side);
 
 /* Allocate for contact with another side: tree, lists of candidates. */
@@ -142,9 +145,6 @@ static inline int32_t ct_side_face(const ct_side *side, int64_t i)
 /* Give a side only some points, which no other piece has: those of the faces of a surface, shape
  * (face_count), or all stations or none. It has all others in name only. */
 ct_status ct_side_divide(ct_side *side, const uint8_t *owned);
-
-/* Free the memory of all other points: they become zeros, which no result may read. */
-ct_status ct_side_keep(ct_side *side);
 
 /* The next run of points that a side has, beginning with {0}; returns 0 after the last one. */
 static inline int ct_side_next(const ct_side *side, ct_span *run)

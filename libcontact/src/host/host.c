@@ -21,8 +21,10 @@ ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
   fixed->gaps.alone = b == NULL;
   if (fixed->gaps.alone) fixed->is.row_count = 0;
   status = ct_contact_open(fixed, out, error);
-  if (status == CT_OK) (*out)->own = fixed;
-  else ct_contact_fixed_free(fixed);
+  if (status == CT_OK) {
+    (*out)->own = fixed;
+    ct_contact_fill(*out);
+  } else ct_contact_fixed_free(fixed);
   return status;
 }
 
