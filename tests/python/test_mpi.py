@@ -237,6 +237,11 @@ ALONE = {
     "out of memory before the run": (
         "def short(self, *given):\n    raise MemoryError('no room')\nct.Scene._followed = short\n"
     ),
+    "out of memory for a part of another one": (
+        "from libcontact.cutting import Whole\n"
+        "def short(self, number):\n    raise MemoryError('no room')\nWhole.part = short\n"
+        "ct.Scene._followed = lambda *given: print('the whole is built', file=sys.stderr)\n"
+    ),
     "what a caller's function raises": (
         "def watch(run):\n"
         "    if run.steps[-1] > 0:\n"
@@ -250,14 +255,14 @@ ALONE = {
 def test_one_process_that_fails_alone_ends_all_with_its_message(case, tmp_path):
     program = tmp_path / "fails.py"
     program.write_text(
-        "import libcontact as ct\nfrom mpi4py import MPI\n"
+        "import sys, libcontact as ct\nfrom mpi4py import MPI\n"
         "COMM, more = MPI.COMM_WORLD, {}\n"
         f"scene = ct.Scene.load({str(PLATES)!r}, {{'output.every': 4}})\n{ALONE[case]}"
         "scene.run(output=False, comm=COMM, partition='coordinates', **more)\n"
     )
     done = launched(2, sys.executable, "-m", "mpi4py", program)
     assert done.returncode != 0 and "no room" in done.stderr
-    assert "in another piece" not in done.stderr
+    assert "in another piece" not in done.stderr and "the whole is built" not in done.stderr
 
 
 OTHERS = {

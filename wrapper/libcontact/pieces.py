@@ -264,17 +264,23 @@ class Pieces:
                 part = next(made) if error is None else None
             except Exception as reason:
                 error = reason
-            self.comm.send(part, number)
+            self.comm.send((part, _sendable(error)), number)
         if error is not None:
             raise error
 
     def built(self, build: Callable[[Part | None], Problem]) -> Problem:
         """The problem of another process than the first one, of the part that this one sends, or the whole."""
-        part = None
+        part, error = None, None
         if self.comm.bcast(None):
             self.first(lambda: None)  # who owns what
-            part = self.comm.recv(source=0)
-        return self.alike(lambda: build(part))
+            part, error = self.comm.recv(source=0)
+
+        def made() -> Problem:
+            if error is not None:
+                raise error
+            return build(part)
+
+        return self.alike(made)
 
     def cut(self, problem: Problem, state: Any = None) -> Any:
         """The piece that this process steps of a state (``ct_state *``), which the first process has."""
