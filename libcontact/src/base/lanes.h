@@ -98,8 +98,8 @@ CT_INLINE void ct_turn(const double *const from[4], double *const to[4])
 #define CT_CLONES
 #endif
 
-/* A kernel that runs for output, or once an element: in wheels, which have to be small, one
- * version, compiled for size. */
+/* A kernel that runs for output, or once an element, or once a step for nodes of surfaces: in
+ * wheels, which have to be small, one version, compiled for size. */
 #if defined(CT_OWN_RUNTIME)
 #define CT_CLONES_RARE __attribute__((minsize))
 #else
