@@ -114,6 +114,12 @@ class Stage:
         return min(part.h for part in self.parts.values())
 
     @property
+    def fraction(self) -> float:
+        """The fraction of the stable step, by default that of the library."""
+        is_large = any(part.stuff.law != "linear" for part in self.parts.values())
+        return float(self.time.get("fraction", 0.7 if is_large else 0.9))
+
+    @property
     def layer(self) -> float:
         """The longest period in which a layer of elements vibrates that is held on one side."""
         return max(4 * part.h / part.stuff.speed for part in self.parts.values())

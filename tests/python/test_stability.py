@@ -237,6 +237,25 @@ def test_bodies_gain_nothing_with_any_integrator(scene, integrator):
         assert zoo.growth(options, animal, zoo.play(given, scene).run) < 1e-9
 
 
+def test_growth_of_the_leapfrog_is_told_not_failed():
+    """(eq:step-resonance). A run that does not say so fails, and so does one whose contact makes it."""
+    options = animals.Options(fraction=0.99)
+    animal = animals.swing(options)
+    own = zoo.play(animal.stage, "swing")
+    for change, verdict in ({}, "told"), ({"warned": ""}, "FAIL"), ({"made": animal.scale}, "FAIL"):
+        row = zoo.Row("swing", str(options))
+        zoo.weigh(row, animal, zoo.replace(own, **change), options)
+        assert row.verdict == verdict and row.growth > zoo.GROWTH, zoo.line(row)
+
+
+def test_means_of_samples_of_different_size():
+    """The squared standard error of a difference is the sum of those of both samples."""
+    one, two = [0.0, 1.0, 2.0, 3.0], [9.0, 11.0]
+    error = (5 / 3 / 4 + 2 / 2) ** 0.5
+    assert zoo.apart(one, two) == pytest.approx(8.5 - zoo.ERRORS * error, rel=1e-12)
+    assert zoo.apart([1.0], [3.0]) == 2.0
+
+
 def judged(stage, **more):
     """The row of a scene with one fault."""
 
