@@ -167,6 +167,25 @@ def test_a_body_that_is_turned_inside_out_ends_the_run_with_its_name():
         ct.Scene(scene).run()
 
 
+@pytest.mark.parametrize(
+    "law, time, asked",
+    [
+        ("neo_hookean", {}, {"fraction": 0.7}),
+        ("st_venant_kirchhoff", {}, {"fraction": 0.7}),
+        ("linear", {}, {"fraction": 0.9}),
+        ("neo_hookean", {"fraction": 0.9}, {"fraction": 0.9}),
+        ("neo_hookean", {"courant": 0.5}, {"courant": 0.5}),
+    ],
+)
+def test_the_usual_step_is_below_four_steps_a_period(law, time, asked):
+    """Of large strain only, and where the scene names none (:eq:`step-resonance`)."""
+    data = small(spin=None)
+    data["material"][0]["law"], data["time"] = law, {"end": 1e-3, **time}
+    facts = ct.Scene(data).explain().data["time"]
+    assert facts["asked"] == asked
+    assert facts["fraction"] <= facts["asked"].get("fraction", 1.0) * (1 + 1e-12)
+
+
 # One neo-Hookean element whose far face moves along x: one degree of freedom of mass M, a force and a stiffness.
 MU, LAMBDA, M = 2.0 / 2.6, 2.0 * 0.3 / (1.3 * 0.4), 0.75
 OMEGA = math.sqrt((2 * MU + LAMBDA) / M)
