@@ -105,7 +105,19 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("libcontact", description="Explicit contact-impact by FEM.")
     parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for add in (_add_run, _add_explain, _add_plan, _add_info, _add_mesh):
+        add(commands)
+    schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
+    schema.set_defaults(command=_schema)
+    for add in (_add_plot, _add_animate, _add_export):
+        add(commands)
+    completion = commands.add_parser("completion", help="write the completion of a shell")
+    completion.set_defaults(command=_completion)
+    completion.add_argument("shell", choices=("bash", "zsh", "tcsh"))
+    return parser
 
+
+def _add_run(commands: Any) -> None:
     run = commands.add_parser("run", help="compute a scene and write its results file")
     run.set_defaults(command=_run_all)
     _scene_options(run)
@@ -119,20 +131,23 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--restart", metavar="FILE", help="continue from the newest record of this file"
     )
-    cut = "how the elements are given to the processes of MPI (default: metis if pymetis is installed)"
-    run.add_argument("--partition", choices=("metis", "coordinates"), help=cut)
+    _partition_option(run)
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
     drawn = "draw the end of the run into a PNG beside its results file, or named after the scene"
     run.add_argument("--plot", action="store_true", help=drawn)
     _picture_options(run)
 
+
+def _add_explain(commands: Any) -> None:
     explain = commands.add_parser("explain", help="show what a scene will compute, and why")
     explain.set_defaults(command=lambda options: _each(options, _explain))
     _scene_options(explain)
     many = "also show what each of N processes of MPI would compute and exchange"
     explain.add_argument("--pieces", metavar="N", type=int, help=many)
-    explain.add_argument("--partition", choices=("metis", "coordinates"), help=cut)
+    _partition_option(explain)
 
+
+def _add_plan(commands: Any) -> None:
     plan = commands.add_parser(
         "plan", help="choose mesh, step and methods for a given error or run time"
     )
@@ -149,12 +164,16 @@ def _parser() -> argparse.ArgumentParser:
     )
     plan.add_argument("--write", metavar="NEW.toml", help="write the chosen scene to this file")
 
+
+def _add_info(commands: Any) -> None:
     what = "show what is in results files, meshes and scenes"
     info = commands.add_parser("info", help=what)
     info.set_defaults(command=lambda options: _each(options, _info))
     info.add_argument("scenes", metavar="FILE", nargs="+")
     info.add_argument("--json", action="store_true", help="write JSON, one line per file")
 
+
+def _add_mesh(commands: Any) -> None:
     mesh = commands.add_parser("mesh", help="show cells, sets and quality of mesh files")
     mesh.set_defaults(command=lambda options: _each(options, _mesh))
     mesh.add_argument("scenes", metavar="MESH", nargs="+")
@@ -167,9 +186,8 @@ def _parser() -> argparse.ArgumentParser:
     mesh.add_argument("--plot", action="store_true", help="draw the mesh into a PNG named after it")
     mesh.add_argument("--json", action="store_true", help="write JSON, one line per file")
 
-    schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
-    schema.set_defaults(command=_schema)
 
+def _add_plot(commands: Any) -> None:
     plot = commands.add_parser("plot", help="draw instants and the energies of a run")
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="RUN.vtkhdf")
@@ -178,6 +196,8 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("--movie", metavar="FILE", nargs="?", const="", help=movie)
     _picture_options(plot)
 
+
+def _add_animate(commands: Any) -> None:
     animate = commands.add_parser("animate", help="draw the records of a run as a film")
     animate.set_defaults(command=_animate)
     animate.add_argument("file", metavar="RUN.vtkhdf")
@@ -186,6 +206,8 @@ def _parser() -> argparse.ArgumentParser:
     animate.add_argument("--rate", metavar="N", type=int, default=15, help="pictures per second")
     _picture_options(animate, instants=60)
 
+
+def _add_export(commands: Any) -> None:
     export = commands.add_parser("export", help="convert a run to CSV, VTU or XDMF")
     export.set_defaults(command=_export)
     export.add_argument("file", metavar="RUN.vtkhdf")
@@ -196,10 +218,10 @@ def _parser() -> argparse.ArgumentParser:
     record = "number of the record for vtu, counted from 0 (default: the last one)"
     export.add_argument("--record", metavar="N", type=int, default=-1, help=record)
 
-    completion = commands.add_parser("completion", help="write the completion of a shell")
-    completion.set_defaults(command=_completion)
-    completion.add_argument("shell", choices=("bash", "zsh", "tcsh"))
-    return parser
+
+def _partition_option(parser: argparse.ArgumentParser) -> None:
+    cut = "how the elements are given to the processes of MPI (default: metis if pymetis is installed)"
+    parser.add_argument("--partition", choices=("metis", "coordinates"), help=cut)
 
 
 def _scene_options(parser: argparse.ArgumentParser) -> None:
