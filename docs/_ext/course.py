@@ -112,6 +112,22 @@ def weeks(name: str, docs: Path = DOCS) -> list[Week]:
     return found
 
 
+def syllabus(name: str) -> str:
+    """The table of a course, a row per week."""
+    head = "week, chapters, exercises, words, equations, listings, reading [min], exercises [min]"
+    rows: list[list[Any]] = [head.split(", ")]
+    for number, week in enumerate(weeks(name), 1):
+        own = ", ".join(f":doc:`/{chapter}`" for chapter in week.chapters)
+        asked = ", ".join(f":numref:`%s <{label}>`" for label in week.exercises)
+        deck = f"{number} (`slides <../slides/{name}/{number}.html>`__)"
+        cells = [deck, own, asked, week.words, week.equations, week.listings]
+        rows.append([*cells, f"{week.reading:.0f}", sum(week.exercises.values())])
+    lines = [f".. list-table:: {table()[name]['title']}", "   :header-rows: 1", ""]
+    for row in rows:
+        lines += [f"   {'  -' if i else '* -'} {cell}" for i, cell in enumerate(row)]
+    return "\n".join(lines)
+
+
 def reveal(folder: Path) -> None:
     """Show the links of the first page to the PDFs that lie beside it; the others stay hidden."""
     page = folder / "index.html"
@@ -124,7 +140,6 @@ def reveal(folder: Path) -> None:
 
 def setup(app):
     from docutils import nodes
-    from docutils.statemachine import StringList
     from sphinx.util.docutils import SphinxDirective
 
     class Syllabus(SphinxDirective):
@@ -133,26 +148,8 @@ def setup(app):
         required_arguments = 1
 
         def run(self) -> list[nodes.Node]:
-            name = self.arguments[0]
             self.env.note_dependency(str(DOCS / "course.toml"))
-            lines = [
-                f".. list-table:: {table()[name]['title']}",
-                "   :header-rows: 1",
-                "",
-                "   * - week\n     - chapters\n     - exercises\n     - words\n     - equations\n     - listings"
-                "\n     - reading, min\n     - exercises, min",
-            ]
-            for number, week in enumerate(weeks(name), 1):
-                own = ", ".join(f":doc:`/{chapter}`" for chapter in week.chapters)
-                asked = ", ".join(f":numref:`%s <{label}>`" for label in week.exercises)
-                deck = f"{number} (`slides <../slides/{name}/{number}.html>`__)"
-                cells = [deck, own, asked, week.words, week.equations, week.listings]
-                cells += [f"{week.reading:.0f}", sum(week.exercises.values())]
-                lines += [f"   {'* -' if not i else '  -'} {cell}" for i, cell in enumerate(cells)]
-            text = StringList("\n".join(lines).splitlines(), source="course.toml")
-            node = nodes.Element()
-            self.state.nested_parse(text, self.content_offset, node)
-            return node.children
+            return self.parse_text_to_nodes(syllabus(self.arguments[0]))
 
     class Pdfs(SphinxDirective):
         """``.. pdfs::``: links to files that the build of the pages can't know yet."""
