@@ -1,4 +1,4 @@
-/* Shared by several tests: random numbers, meshes that are distorted, rotated or mirrored, forces
+/* Shared by several tests: meshes that are distorted, rotated or mirrored, forces
  * of a whole problem, eigenvalues. */
 #ifndef BODIES_H
 #define BODIES_H
@@ -6,6 +6,7 @@
 #include <libcontact.h>
 
 #include "../../libcontact/src/solid/element.h"
+#include "uniform.h"
 #include "tap.h"
 
 #include <stdlib.h>
@@ -17,16 +18,6 @@ static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled"};
 enum { ENFORCEMENTS = CT_ENFORCE_COUNT };
 typedef char every_enforcement_has_its_name
     [sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] == CT_ENFORCE_COUNT ? 1 : -1];
-
-static unsigned long long bodies_seed = 88172645463325252ull;
-
-/* Uniform on (-a, a). */
-static inline double uniform(double a)
-{
-  bodies_seed ^= bodies_seed << 13, bodies_seed ^= bodies_seed >> 7,
-      bodies_seed ^= bodies_seed << 17;
-  return a * (2 * ((double)(bodies_seed >> 11) / 9007199254740992.0) - 1);
-}
 
 /* One of 0 ... n - 1. */
 static inline int pick(int n) { return (int)floor(0.5 * (uniform(1.0) + 1.0) * n); }
@@ -45,11 +36,6 @@ static inline void random_rotation(double R[3][3])
                        {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                        {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
   memcpy(R, rows, sizeof rows);
-}
-
-static inline double worst(double so_far, double error)
-{
-  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
 }
 
 static inline double largest(const double *v, int64_t n)

@@ -1,26 +1,14 @@
-/* Faces and random numbers for the tests of projections. */
+/* Faces for the tests of projections. */
 #ifndef FACES_H
 #define FACES_H
 
 #include "function.h"
+#include "uniform.h"
 
 #include <math.h>
 
 static const char *const FACE_NAME[4] = {"Q4", "Q8", "T3", "T6"};
 
-static unsigned long long face_seed = 88172645463325252ull;
-
-/* Uniform on (-a, a). */
-static inline double uniform(double a)
-{
-  face_seed ^= face_seed << 13, face_seed ^= face_seed >> 7, face_seed ^= face_seed << 17;
-  return a * (2 * ((double)(face_seed >> 11) / 9007199254740992.0) - 1);
-}
-
-static inline double worst(double so_far, double error)
-{
-  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
-}
 static const char *const METHOD_NAME[] = {
     "simplex", "nelder_mead", "newton",    "least_squares",  "steepest_descent", "broyden",
     "bfgs",    "robust",      "certified", "simplex_newton", "sphere",           "torus"};

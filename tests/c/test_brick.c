@@ -2,16 +2,12 @@
  * tests/python/test_projection.py compares the node numbers with VTK itself. */
 #include "../../libcontact/src/shape/shape.h"
 
+#include "uniform.h"
 #include "tap.h"
 
 static const char *NAME[CT_BRICK_COUNT];
 static const double PROBE[4][3] = {
     {0.125, 0.25, -0.5}, {-0.625, 0.75, 0.375}, {1, -1, 1}, {0.3, -0.1, 0.7}};
-
-static double worst(double so_far, double error)
-{
-  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
-}
 
 /* Conditions that determine the shape functions, and so eq:brick-hex8 and eq:brick-hex20. */
 static void interpolation_conditions(ct_brick_kind kind)

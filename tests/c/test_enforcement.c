@@ -270,7 +270,7 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
   const int cells[2] = {3, rule == CT_POINTS_LOBATTO ? 1 : 2};
   ct_mesh *flat[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 2, 3, 3),
                       box_mesh(kind, 1e-4, 0.2, 0.1, 1, 0.9, 1, 2, cells[1], cells[1])};
-  unsigned long long seed = bodies_seed;
+  unsigned long long seed = random_seed;
   for (int b = 0; b < 2; b++) {
     ct_mesh *m = box_mesh(kind, b ? 1e-4 : -1, b ? 0.2 : 0, b ? 0.1 : 0, 1, b ? 0.9 : 1, 1, 2,
                           cells[b], cells[b]);
@@ -284,7 +284,7 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
       *both[k] = image;
     }
   }
-  bodies_seed = seed;
+  random_seed = seed;
   for (int b = 0; b < 2; b++)
     add_body(p.scene, b ? "b" : "a", p.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -2000 : 1000,
              mirrored ? -100 * b : 100 * b, 0);

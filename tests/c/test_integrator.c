@@ -356,7 +356,7 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   meeting c = {new_scene(), {0}};
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3),
           *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
-  bodies_seed = 4711;
+  random_seed = 4711;
   add_body(c.scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
   add_body(c.scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
   ct_contact_options options = ct_contact_options_default();

@@ -259,7 +259,7 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
                       box_mesh(kind, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2)},
           *shape[2];
   double velocity[2][3] = {{0.5, 0.0625, -0.125}, {-0.25, 0, 0.25}};
-  bodies_seed = 4711;
+  random_seed = 4711;
   for (int s = 0; s < 2; s++) {
     shape[s] = copy_mesh(flat[s]);
     if (kernel == CT_KERNEL_GENERAL) distort(shape[s], 0.02);

@@ -81,7 +81,7 @@ static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b, int swapped, int t
   glued g = {box_mesh(kind_a, 0, 0, 0, 1, 1, 1, 2, 2, 2),
              box_mesh(kind_b, 1, 0, 0, 1, 1, 1, 2, 3, 3), new_scene(), NULL, NULL};
   double *v[2] = {numbers(3 * g.a->node_count), numbers(3 * g.b->node_count)};
-  bodies_seed = 88172645463325252ull;
+  random_seed = 88172645463325252ull;
   for (int64_t d = 0; d < 3 * (int64_t)g.a->node_count; d++) v[0][d] = uniform(0.3);
   for (int64_t d = 0; d < 3 * (int64_t)g.b->node_count; d++) v[1][d] = uniform(0.3);
   add_moving_body(g.scene, "a", g.a, &SOFT, CT_KERNEL_AUTO, v[0]);
