@@ -51,6 +51,15 @@ def shown(run, **options):
     return figure
 
 
+def test_instants_and_energies_have_one_unit_of_time(block):
+    """The run lasts 0.04 s."""
+    figure = shown(block)
+    titles = {axes.get_title().split()[-1] for axes in figure.axes if axes.get_title()}
+    (energies,) = (axes for axes in figure.axes if axes.get_ylabel().startswith("energy"))
+    assert titles == {"ms"} and energies.get_xlabel() == "t [ms]"
+    assert energies.lines[-1].get_xdata()[-1] == pytest.approx(40.0)
+
+
 # Fields.
 
 

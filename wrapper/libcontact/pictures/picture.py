@@ -27,11 +27,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..run import Run
+    from ..units import Units
 
 __all__ = ["draw_energies", "picture", "plot_run"]
 
 # Size of a picture, and of its parts [inch]: width, the height that instants may have, and the rest.
 WIDTH, INSTANTS_HEIGHT, BAR_HEIGHT, ENERGY_HEIGHT, TITLE_HEIGHT = 9.0, 5.4, 0.75, 2.4, 0.35
+MARGIN = 0.05  # above a picture without a title
 LINE_HEIGHT = 0.25
 BARS_HEIGHT = 4.4
 COLOUR_BAR: dict[str, Any] = {"location": "bottom", "aspect": 50, "shrink": 0.7}
@@ -151,7 +153,8 @@ def _peak(run: Run, count: int) -> int:
 
 def _divided(figure: Any, title: str, heights: Sequence[float]) -> Any:
     """Parts of a figure: for the lines of the title, with these heights [inch], and for the energies."""
-    heights = [TITLE_HEIGHT + LINE_HEIGHT * title.count("\n"), *heights, ENERGY_HEIGHT]
+    head = TITLE_HEIGHT + LINE_HEIGHT * title.count("\n") if title else MARGIN
+    heights = [head, *heights, ENERGY_HEIGHT]
     figure.set_size_inches(WIDTH, sum(heights))
     figure.set_layout_engine("constrained")
     return figure.subfigures(len(heights), 1, height_ratios=heights)
@@ -198,10 +201,10 @@ def _draw_instants(
     figure: Any, drawing: Drawing, states: Sequence[State], rows: int, columns: int
 ) -> None:
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    factor, unit = _clock(drawing, states[-1].time)
+    factor, unit = _clock(drawing.units, states[-1].time)
     for k, (axes, state) in enumerate(zip(grid, states)):
         patches = drawing.draw(axes, state, marks=k == 0)
-        axes.set_title(f"t = {state.time * factor:.4g}{unit}", fontsize="medium")
+        axes.set_title(f"t = {state.time * factor:.4g} {unit}".rstrip(), fontsize="medium")
         axes.label_outer()
     for axes in grid[len(states) :]:
         axes.remove()
@@ -210,24 +213,30 @@ def _draw_instants(
     figure.colorbar(patches, ax=list(grid[: len(states)]), label=text, **COLOUR_BAR)
 
 
-def _clock(drawing: Drawing, end: float) -> tuple[float, str]:
+def _clock(units: Units | None, end: float) -> tuple[float, str]:
     """Factor and unit of the times in a picture."""
-    unit = drawing.units.time if drawing.units else ""
+    unit = units.time if units else ""
     if unit == "s" and 0.0 < end < 0.1:
         power = next(power for power in (3, 6, 9, 12) if end * 10.0**power >= 1.0 or power == 12)
-        return 10.0**power, " " + {3: "ms", 6: "µs", 9: "ns", 12: "ps"}[power]
-    return 1.0, f" {unit}".rstrip()
+        return 10.0**power, {3: "ms", 6: "µs", 9: "ns", 12: "ps"}[power]
+    return 1.0, unit
+
+
+def _time_label(unit: str) -> str:
+    return f"t [{unit}]" if unit else "t"
 
 
 def draw_energies(axes: Any, run: Run) -> None:
     """Draw the energy balance over time: each column that is not zero, and the total."""
     own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
+    factor, unit = _clock(run.units, float(run.time[-1]))
+    time = factor * run.time
     for name in ("kinetic", "strain", "contact", "reserve", "external", *own):
         if run.energy[name].any():
-            axes.plot(run.time, run.energy[name], label=name)
-    axes.plot(run.time, run.energy["total"], "k--", label="total")
-    time, energy = (f" [{run.units.label(x)}]" if run.units else "" for x in ("time", "energy"))
-    axes.set(xlabel="t" + time, ylabel="energy" + energy)
+            axes.plot(time, run.energy[name], label=name)
+    axes.plot(time, run.energy["total"], "k--", label="total")
+    energy = f" [{run.units.label('energy')}]" if run.units else ""
+    axes.set(xlabel=_time_label(unit), ylabel="energy" + energy)
     axes.grid(alpha=0.3)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
     axes.legend(ncols=8, fontsize="small", **place)
@@ -258,18 +267,18 @@ def draw_bars(axes: Any, run: Run, axis: int) -> None:
     records = np.linspace(0, len(run.states) - 1, min(len(run.states), COLUMNS)).round()
     states = [run.states[i] for i in records.astype(int).tolist()]
     times, field = np.array([state.time for state in states]), f"stress_{2 * AXES[axis]}"
+    factor, unit = _clock(run.units, float(times[-1]))
     rows = {name: [_bar(state[name], field, axis) for state in states] for name in run.bodies}
     most = max(float(np.abs(values).max()) for row in rows.values() for _, values in row)
     for row in rows.values():
         ends, values = (np.array(part) for part in zip(*row))
-        cells = draw_bar_in_time(axes, times, ends, values, most or 1.0, upright=True)
+        cells = draw_bar_in_time(axes, factor * times, ends, values, most or 1.0, upright=True)
     for point in _walls(run, axis, times):
-        axes.plot(times, point, color="0.2", lw=1.5)
-    time, length, stress = (
-        f" [{run.units.label(quantity)}]" if run.units else ""
-        for quantity in ("time", "length", "stress")
+        axes.plot(factor * times, point, color="0.2", lw=1.5)
+    length, stress = (
+        f" [{run.units.label(quantity)}]" if run.units else "" for quantity in ("length", "stress")
     )
-    axes.set(xlabel="t" + time, ylabel=f"{AXES[axis]}{length}")
+    axes.set(xlabel=_time_label(unit), ylabel=f"{AXES[axis]}{length}")
     axes.figure.colorbar(cells, ax=axes, label=label(field) + stress, **COLOUR_BAR)
 
 
