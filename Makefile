@@ -158,12 +158,13 @@ install_library = cp $(2)/lib$(1).a $(DESTDIR)$(libdir)/ && \
   ln -sf lib$(1).so.$(SONAME) $(DESTDIR)$(libdir)/lib$(1).so && \
   $(FILL) libcontact/lib$(1).pc.in > $(DESTDIR)$(libdir)/pkgconfig/lib$(1).pc
 install: lib
-	mkdir -p $(DESTDIR)$(includedir)/libcontact $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(mandir)/man3 $(PACKAGE)
-	cp libcontact/include/*.h $(DESTDIR)$(includedir)/
-	cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(includedir)/libcontact/
-	$(FILL) libcontact/libcontact.3.in > $(DESTDIR)$(mandir)/man3/libcontact.3
-	for f in config config-version; do $(FILL) libcontact/libcontact-$$f.cmake.in > $(PACKAGE)/libcontact-$$f.cmake || exit 1; done
-	for a in contact $(ADDONS:%=contact-%); do $(call install_library,$$a,$(BUILD)/lib) || exit 1; done
+	$(Q)mkdir -p $(DESTDIR)$(includedir)/libcontact $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(mandir)/man3 $(PACKAGE)
+	$(Q)cp libcontact/include/*.h $(DESTDIR)$(includedir)/
+	$(Q)cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(includedir)/libcontact/
+	$(Q)$(FILL) libcontact/libcontact.3.in > $(DESTDIR)$(mandir)/man3/libcontact.3
+	$(Q)for f in config config-version; do $(FILL) libcontact/libcontact-$$f.cmake.in > $(PACKAGE)/libcontact-$$f.cmake || exit 1; done
+	$(Q)for a in contact $(ADDONS:%=contact-%); do $(call install_library,$$a,$(BUILD)/lib) || exit 1; done
+	@echo "  installed in $(DESTDIR)$(prefix)"
 
 # -- Set-up: system packages, then the Python environment ----------------------------------------------------------------------
 setup:
