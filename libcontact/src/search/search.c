@@ -195,10 +195,20 @@ ct_status ct_search_equip(ct_search *search)
   size_t faces = (size_t)search->face_count;
   ct_pool *pool = &search->pool;
   if (search->boxes == NULL) search->boxes = ct_pool_take(pool, faces, sizeof *search->boxes);
-  if (search->kind != CT_T3) search->oriented = ct_pool_take(pool, faces, sizeof *search->oriented);
   if (pool->failed || ct_box_tree_create(search->face_count, &search->tree, NULL) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_search_box(search);
+  return CT_OK;
+}
+
+/* The same with boxes along the faces, for many points, and the tree. */
+static ct_status equip_fully(ct_search *search)
+{
+  if (search->kind != CT_T3)
+    search->oriented =
+        ct_pool_take(&search->pool, (size_t)search->face_count, sizeof *search->oriented);
+  if (ct_search_equip(search) != CT_OK) return CT_ERROR_MEMORY;
+  ct_search_refit(search);
   return CT_OK;
 }
 
@@ -223,9 +233,7 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
 ct_status ct_search_snapshot(const ct_search *search, ct_search **out)
 {
   ct_status status = ct_search_share(search, out);
-  if (status == CT_OK) status = ct_search_equip(*out);
-  if (status == CT_OK) ct_search_refit(*out);
-  return status;
+  return status == CT_OK ? equip_fully(*out) : status;
 }
 
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out)
@@ -252,11 +260,10 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
-  if (ct_search_equip(search) != CT_OK) {
+  if (equip_fully(search) != CT_OK) {
     ct_search_free(search);
     return CT_NO_MEMORY(error, "a surface");
   }
-  ct_search_refit(search);
   *out = search;
   return CT_OK;
 }

@@ -27,7 +27,8 @@ struct ct_search {
   double *x;              /* current coordinates, shape (node_count, 3), and one number more */
   ct_bounds *boxes;       /* current boxes of the faces */
   /* For a surface that is searched, else null: */
-  ct_oriented *oriented; /* boxes along the faces, of the last refit; null for T3 */
+  ct_oriented *oriented; /* boxes along the faces, of the last refit; null for T3, and where few
+                            points are searched for at one shape */
   ct_box_tree *tree;     /* over the boxes of the last refit */
 };
 
