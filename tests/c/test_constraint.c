@@ -44,7 +44,7 @@ static void choose_nodes(rows *r, int j)
 
 static void fill(rows *r)
 {
-  static const ct_row_set half = {ROWS / 2, NODES, NULL, 2 * PER, 0, 0}, set[2] = {half, half};
+  const ct_row_set half = {ROWS / 2, NODES, NULL, 2 * PER, 0, 0}, set[2] = {half, half};
   const int alike = pick(3) == 0; // as at a plane
   int32_t place[NODES];
   ct_error e;
