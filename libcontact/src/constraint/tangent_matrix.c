@@ -352,6 +352,16 @@ void ct_tangent_clear(const ct_tangent *t)
     memset(&t->cut[2 * t->nodes[k]], 0, CT_TANGENT_CUT * sizeof *t->cut);
 }
 
+void ct_tangent_join(ct_solver *s, int first, int some)
+{
+  double *sums = s->tangent->sums;
+  if (s->pieces == NULL) return;
+  if (!s->tangent->active) ct_pieces_sum(s->pieces, sums, WIDE * (int64_t)s->node_count);
+  if (!s->tangent->active || s->shared_count == 0) return;
+  ct_matrix_join(s, first, some, sums, s->sums);
+  ct_clear(s->sums, (size_t)some * (size_t)s->shared_count);
+}
+
 int ct_tangent_push(ct_solver *s)
 {
   ct_tangent *t = s->tangent;

@@ -30,6 +30,9 @@ double ct_tangent_fill(const ct_tangent *tangent);
  * nodes. */
 void ct_tangent_motion(const ct_tangent *tangent, const double *x, const ct_columns *out);
 
+/* Add to some components of the sums at nodes those of the other pieces. */
+void ct_tangent_join(ct_solver *solver, int first, int some);
+
 /* Clear the sums of forces at the nodes on which rows act. */
 void ct_tangent_clear(const ct_tangent *tangent);
 

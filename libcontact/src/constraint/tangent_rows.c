@@ -13,16 +13,6 @@
 
 enum { WIDE = CT_SOLVER_WIDE };
 
-void ct_tangent_join(ct_solver *s, int first, int some)
-{
-  double *sums = s->tangent->sums;
-  if (s->pieces == NULL) return;
-  if (!s->tangent->active) ct_pieces_sum(s->pieces, sums, WIDE * (int64_t)s->node_count);
-  if (!s->tangent->active || s->shared_count == 0) return;
-  ct_matrix_join(s, first, some, sums, s->sums);
-  ct_clear(s->sums, (size_t)some * (size_t)s->shared_count);
-}
-
 /* Count the rows at each node and list the nodes on which any acts. */
 static void count_nodes(ct_solver *s)
 {

@@ -112,9 +112,6 @@ int64_t ct_tangent_run(const ct_tangent *tangent, int64_t j);
  * points. */
 void ct_tangent_take_off(const ct_tangent *tangent, int next, const ct_columns *motion);
 
-/* Add to some components of the sums at nodes those of the other pieces. */
-void ct_tangent_join(ct_solver *solver, int first, int some);
-
 /* List the active rows with friction, and those with a given force, with the motion of the last
  * step and the force of the guess; the points of other rows are open. */
 void ct_tangent_list(ct_solver *solver);
