@@ -274,7 +274,7 @@ FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(ad
   $(addprefix projection/,nelder_mead simplex simplex_newton bfgs broyden steepest_descent sphere torus certified least_squares patch iterate ray) \
   $(addprefix step/,probe piece bisect state monitor energy) $(addprefix effect/,tie rigid load absorb rotation) contact/traction
 NOT_UNROLLED := contact/% gap/% projection/proof projection/robust% effect/viscosity \
-  $(addprefix constraint/,active law matrix solve tangent tangent_bound tangent_follow tangent_iterate tangent_matrix tangent_settle)
+  $(addprefix constraint/,active law matrix solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_matrix tangent_settle)
 FOR_WHEELS = $(if $(findstring -DCT_OWN_RUNTIME,$(CFLAGS)),$(1))
 $(FOR_SIZE:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-Os)
 $(NOT_UNROLLED:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-fno-unroll-loops)

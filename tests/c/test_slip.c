@@ -2,6 +2,7 @@
  * a dense reference. The rows are included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/law.h"
 #include "../../libcontact/src/constraint/matrix.h"
+#include "../../libcontact/src/constraint/tangent_lanes.c"
 #include "../../libcontact/src/constraint/tangent_matrix.c"
 #include "bodies.h"
 

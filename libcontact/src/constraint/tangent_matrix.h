@@ -23,6 +23,15 @@ enum {
  * side by side, so that they are summed in pairs (eq:tree-sum). */
 static const int CT_TANGENT_ROW[4] = {0, CT_ROWS ? 3 : 1, CT_ROWS ? 1 : 2, CT_ROWS ? 2 : 3};
 
+/* Numbers of four rows in the order of the lanes, and back. */
+#if CT_ROWS
+#define CT_TANGENT_ACROSS(rows) CT_PICK(rows, rows, 0, 3, 1, 2)
+#define CT_TANGENT_BACK(lanes) CT_PICK(lanes, lanes, 0, 2, 3, 1)
+#else
+#define CT_TANGENT_ACROSS(rows) (rows)
+#define CT_TANGENT_BACK(lanes) (lanes)
+#endif
+
 /* Fill the lanes of the listed rows. Returns the largest e² of all (eq:slip-bound-couples). */
 double ct_tangent_fill(const ct_tangent *tangent);
 
