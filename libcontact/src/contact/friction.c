@@ -136,6 +136,10 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   clear_memory(s, at);
   ct_pieces_sum(s->pieces, s->slips.sums, CT_SLIP_SUMS * (int64_t)s->slips.node_count);
   add_sums(s->slips.node_count, s->slips.sums, force);
+  // What acts against them on a carrier follows from the forces on the surface, as in a contact.
+  const ct_carrier *carrier = ((const ct_contact *)at->on)->fixed->carrier;
+  for (int k = 0; carrier != NULL && k < CT_CARRIER_NODES; k++)
+    memset(&force[3 * (int64_t)carrier->place[k]], 0, 3 * sizeof *force);
   count_energy(s);
   if (data->rigid) count_motion(&now, force, s);
   ct_contact_push_carrier(at->on, force, s->terms);
