@@ -36,8 +36,7 @@ void ct_ledger_correct(ct_state *state, double share, ct_moved piece, const doub
   for (int32_t i = piece.shared_first, row; i < piece.shared_last; i += row) {
     const int64_t dof = 3 * (int64_t)w->shared[i], count = 3 * (int64_t)(row = row_of(w, piece, i));
     const double *v = &state->velocity[dof], *force = &w->shared_first[3 * (int64_t)i];
-    double *restrict both = &sum[dof - 3 * (int64_t)piece.first],
-                     *restrict to = &state->work[dof];
+    double *restrict both = &sum[dof - 3 * (int64_t)piece.first], *restrict to = &state->work[dof];
 #pragma omp simd
     for (int64_t d = 0; d < count; d++) {
       both[d] += v[d];
