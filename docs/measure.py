@@ -17,14 +17,7 @@ from measures.shared import DOCS, MEASUREMENTS, Numbers
 
 FILE = DOCS / "measured.json"
 # Too long for the test: a hundred runs each, and balls of hex20. The benchmarks have a test of their own.
-SLOW = {
-    "integrator",
-    "explicit",
-    "recovered_balls",
-    "pressed_sphere",
-    "thin_cradle",
-    *benchmarks.CASES,
-}
+SLOW = {"integrator", "explicit", "recovered_balls", "pressed_sphere", *benchmarks.CASES}
 
 
 def rounded(numbers: Numbers) -> Numbers:

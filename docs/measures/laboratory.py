@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import defaults
-import impacts as chapter
-import numpy as np
 
 from .shared import DOCS, Numbers, measurement
 
@@ -35,7 +33,7 @@ def laboratory() -> Numbers:
 @measurement
 def impacts() -> Numbers:
     """From the table of `stability/impacts.py`: the most that impacts of linear bodies and linear folds lose, and how
-    far the speeds of cradles of two and four layers are outside the range."""
+    far the speeds of cradles of two and four layers, and of one, are outside the range."""
     rows = {row["case"]: row for row in defaults.table.read(DOCS / "theory" / "impacts.csv")}
     large = ("discs", "ring", "fold")
     lost = {case: row["lost, %"] / 100 for case, row in rows.items()}
@@ -43,25 +41,5 @@ def impacts() -> Numbers:
         "linear_lost": max(v for case, v in lost.items() if not any(n in case for n in large)),
         "fold_lost": lost["linear fold"],
         "cradle": max(rows[f"cradle of {n}"]["speed off"] for n in (2, 4)),
+        "thin_cradle": rows["cradle of 1"]["speed off"],
     }
-
-
-@measurement
-def thin_cradle() -> Numbers:
-    """The cradle of plates of one layer of `stability/impacts.py`: how far its speeds are outside the range at each
-    step, and the ranges of the speeds of its plates, with the default law and with explicit penalties."""
-    case = next(case for case in chapter.unlike() if case.name == "cradle of 1")
-    reference = np.array(case.reference())
-    found, own = {}, []
-    for fraction in chapter.FRACTIONS:
-        speeds = np.array(
-            [chapter.run(case.maker, chapter.ELASTIC, fraction, p).speeds for p in case.phases]
-        )
-        off = np.maximum(reference.min(axis=0) - speeds, speeds - reference.max(axis=0)).max()
-        found[f"off_{fraction:g}".replace(".", "")] = off
-        own.append(speeds)
-    for name, speeds in (("own", np.concatenate(own)), ("explicit", reference)):
-        for i in range(3):
-            found[f"{name}_{i}_low"] = speeds[:, i].min()
-            found[f"{name}_{i}_high"] = speeds[:, i].max()
-    return found

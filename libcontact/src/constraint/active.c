@@ -239,16 +239,50 @@ static void find_alone(int64_t count, const double *free, const double *b, const
   for (int64_t r = 0; r < count; r++) alone[r] = -(free[r] + b[r]) / (C[r] + bound[r]);
 }
 
-/* Clear `opens` in the sets whose forces do not fall together (eq:release-together). */
-static void keep_falling(ct_solver *s, const double *alone, double *opens)
+/* Find the sets behind which a layer passes waves to another set that is pressed
+ * (eq:release-passed). */
+static void find_passing(ct_solver *s)
 {
-  ct_law_find_falls(&s->laws, alone, s->force, s->gradient);
+  for (int32_t k = 0; k < s->set_count; k++) {
+    const int64_t first = s->first_point[k];
+    s->pressed[k] = ct_largest(&s->force[first], s->first_point[k + 1] - first);
+    s->passes[k] = 0;
+  }
+  ct_pieces_largest(s->pieces, s->pressed, s->set_count);
+  for (int32_t i = 0; i < s->layer_count; i++)
+    s->passes[s->layers[i][0]] |= s->pressed[s->layers[i][1]] > 0.0;
+}
+
+/* Clear `opens` in the sets whose forces do not fall together (eq:release-together), or that pass
+ * nothing on (eq:release-passed). */
+static void keep_falling(ct_solver *s, ct_opening how, const double *alone, double *opens)
+{
+  ct_law_find_falls(&s->laws, how, alone, s->force, s->gradient);
   for (int32_t k = 0; k < s->set_count; k++) {
     const int64_t first = s->first_point[k], count = s->first_point[k + 1] - first;
+    const int may = how == CT_OPENS_TOGETHER || s->passes[k];
     // -- Σ (⟨λ_u⟩ - 0.7 λ_{n-1}) < 0 (eq:release-together)
-    if (!(ct_sum_over(s->pieces, &s->gradient[first], count) < 0.0))
+    if (!may || !(ct_sum_over(s->pieces, &s->gradient[first], count) < 0.0))
       ct_clear(&opens[first], (size_t)count);
   }
+}
+
+/* The points that open in a way, with that of `opens`. */
+static void add_openings(ct_solver *s, ct_opening how, const double *alone, int all, double *opens)
+{
+  double *more = s->guide;
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, more);
+  if (!all && how != CT_OPENS_ALONE) keep_falling(s, how, alone, more);
+  for (int64_t r = 0; r < s->count; r++) opens[r] = fmax(opens[r], more[r]);
+}
+
+/* The points that may open; in `all` sets, or where the forces of a set allow it. */
+static void find_openings(ct_solver *s, const double *alone, int all, double *opens)
+{
+  ct_clear(opens, (size_t)s->count);
+  add_openings(s, CT_OPENS_TOGETHER, alone, all, opens);
+  if (s->layer_count > 0) add_openings(s, CT_OPENS_PASSED, alone, all, opens);
+  if (!all) add_openings(s, CT_OPENS_ALONE, alone, all, opens);
 }
 
 /* Σ ⟨sign K⟩ over some rows. */
@@ -276,18 +310,16 @@ static void pay_debts(ct_solver *s)
  * (eq:release-time). Returns whether there are any in this piece. */
 static int find_releases(ct_solver *s)
 {
-  double *opens = s->terms, *more = s->guide, *alone = s->image;
+  double *opens = s->terms, *alone = s->image;
   find_alone(s->count, s->free, s->b, s->C, s->scale, alone);
-  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 1, opens);
+  find_openings(s, alone, 1, opens);
   double some = !ct_is_zero(opens, s->count);
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 0;
   ct_law_take_debts(&s->laws);
   pay_debts(s);
-  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 1, opens);
-  keep_falling(s, alone, opens);
-  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 0, more);
-  for (int64_t r = 0; r < s->count; r++) opens[r] = fmax(opens[r], more[r]);
+  if (s->layer_count > 0) find_passing(s);
+  find_openings(s, alone, 0, opens);
   return !ct_is_zero(opens, s->count);
 }
 

@@ -278,8 +278,24 @@ CT_INLINE int may_release(const ct_constraint *c)
 
 int ct_law_may_release(const ct_constraint *c) { return may_release(c); }
 
-/* Parts of the last force below which a point opens alone, and together with its contact. */
-static const double ALONE = 1.0 / 3.0, TOGETHER = 0.7;
+/* Parts of the last force below which a point opens. */
+static const double PARTS[CT_OPENINGS] = {
+    [CT_OPENS_ALONE] = 1.0 / 3.0, [CT_OPENS_TOGETHER] = 0.7, [CT_OPENS_PASSED] = 1.2};
+
+/* Whether a wave that crosses a layer and comes back reaches a point in this step or the next. */
+CT_INLINE int is_met(const ct_constraint *c, double dt)
+{
+  // -- -½ <= (t_c - 2 h / c₁) / Δt < 3/2, where a tie is not left to rounding (eq:release-passed)
+  const double late = (c->impact.pressed - 2.0 * c->travel_time) / dt + 1e-6;
+  return (c->impact.idle == 0.0) & (late >= -0.5) & (late < 1.5);
+}
+
+/* The part of the last force below which a point opens so in this step. */
+CT_INLINE double part_of(const ct_constraint *c, double dt, ct_opening how)
+{
+  if (how == CT_OPENS_PASSED) return is_met(c, dt) ? PARTS[how] : 0.0;
+  return is_younger(c, LASTING) ? PARTS[how] : PARTS[CT_OPENS_ALONE];
+}
 
 /* Whether the spring of a point can stop its node while a wave crosses the element. */
 CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
@@ -289,29 +305,30 @@ CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
   return 100.0 * c->stiffness * bound * T * T > 1.0;
 }
 
-CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force, int together)
+CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force,
+                       ct_opening how)
 {
   const double last = c->force - c->impact.release, x = c->after - c->before,
-               part = together & is_younger(c, LASTING) ? TOGETHER : ALONE;
+               part = part_of(c, dt, how);
   // -- The step that is nearest to the zero of the extrapolated force, or in which the contact
   // falls; a point that comes nearer holds more than its motion has (eq:release-time)
   return may_release(c) & (force <= part * last) & is_stiff(c, bound, dt) &
          ((x >= 0.0) | (8.0 * c->impact.reserve * bound > x * x));
 }
 
-int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, int together)
+int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, ct_opening how)
 {
-  return releases(c, bound, dt, force, together);
+  return releases(c, bound, dt, force, how);
 }
 
 CT_CLONES
 void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
-                          const double *force, int together, double *opens)
+                          const double *force, ct_opening how, double *opens)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
     const ct_constraint c = row_of(of, r);
-    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], together) ? 1.0 : 0.0;
+    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], how) ? 1.0 : 0.0;
   }
 }
 
@@ -464,13 +481,14 @@ double ct_law_paid(double K, double held, double debt)
 }
 
 CT_CLONES
-void ct_law_find_falls(const ct_law_rows *of, const double *alone, const double *last,
-                       double *restrict falls)
+void ct_law_find_falls(const ct_law_rows *of, ct_opening how, const double *alone,
+                       const double *last, double *restrict falls)
 {
+  const double part = PARTS[how];
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++)
-    // -- ⟨λ_u⟩ - 0.7 λ_{n-1} (eq:release-together)
-    falls[r] = ct_larger(alone[r], 0.0) - TOGETHER * last[r];
+    // -- ⟨λ_u⟩ - 0.7 λ_{n-1} (eq:release-together), or 1.2 (eq:release-passed)
+    falls[r] = ct_larger(alone[r], 0.0) - part * last[r];
 }
 
 CT_CLONES

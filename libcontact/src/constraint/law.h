@@ -58,10 +58,20 @@ double ct_law_loss(const ct_constraint *row, double force, double after);
  * gap is (eq:release-time). */
 int ct_law_may_release(const ct_constraint *row);
 
-/* Whether a row opens in a step: its `after` is the next gap without the constraints, `force` what
- * it would have without its neighbours, and `bound` that of W; `together` tells whether its contact
- * falls (eq:release-time). */
-int ct_law_releases(const ct_constraint *row, double bound, double dt, double force, int together);
+/* How a point may open: by itself; because the force of its contact falls (eq:release-together); or
+ * because what closing took is on its way through a layer to the next contact (eq:release-passed).
+ */
+typedef enum ct_opening {
+  CT_OPENS_ALONE,
+  CT_OPENS_TOGETHER,
+  CT_OPENS_PASSED,
+  CT_OPENINGS
+} ct_opening;
+
+/* Whether a row opens so in a step: its `after` is the next gap without the constraints, `force`
+ * what it would have without its neighbours, and `bound` that of W (eq:release-time). */
+int ct_law_releases(const ct_constraint *row, double bound, double dt, double force,
+                    ct_opening how);
 
 /* The extra row: its ramp, and the force with which it gives back all of the reserve if all
  * points that open move alike. `free` is g_{n+1} without the constraints, `bound` the change of the
@@ -127,9 +137,9 @@ int64_t ct_law_end(const ct_law_rows *rows, int64_t first);
 void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, double *C,
                 double *b);
 
-/* `opens` = 1 for the rows that open, else 0; `together` whether their contact falls. */
+/* `opens` = 1 for the rows that open so, else 0. */
 void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double dt,
-                          const double *force, int together, double *opens);
+                          const double *force, ct_opening how, double *opens);
 
 /* What is left of a reserve K, or of a debt, K < 0, when points that hold H pay for those that owe
  * B, both positive, in the same proportion (eq:impact-debt). */
@@ -139,10 +149,10 @@ double ct_law_paid(double K, double held, double debt);
  * (eq:release-debt). */
 void ct_law_take_debts(const ct_law_rows *rows);
 
-/* Terms of a sum that is negative if a contact falls, given its forces without neighbours, `alone`,
- * and its `last` ones (eq:release-together). */
-void ct_law_find_falls(const ct_law_rows *rows, const double *alone, const double *last,
-                       double *falls);
+/* Terms of a sum that is negative if points of a contact may open so, given its forces without
+ * neighbours, `alone`, and its `last` ones (eq:release-together). */
+void ct_law_find_falls(const ct_law_rows *rows, ct_opening how, const double *alone,
+                       const double *last, double *falls);
 
 /* Losses with the given forces and next gaps. */
 void ct_law_losses(const ct_law_rows *rows, const double *force, const double *after,

@@ -1,0 +1,109 @@
+/* Layers of elements between two contacts: bodies of which each node is in one of them. */
+#include "layers.h"
+
+#include "../base/memory.h"
+#include "effect_internal.h"
+
+#include <math.h>
+
+/* Number of a set's nodes below one of the problem; they are ascending. */
+static int32_t nodes_below(const ct_row_set *set, int32_t node)
+{
+  int32_t low = 0, high = set->node_count;
+  if (set->nodes == NULL) return node;
+  while (low < high) {
+    const int32_t middle = low + (high - low) / 2;
+    if (set->nodes[middle] < node) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/* The end of a body's nodes. */
+static int32_t end_of(const ct_body *body) { return body->first_node + body->mesh->node_count; }
+
+/* Number of a set's nodes in a body. */
+static int32_t nodes_in(const ct_row_set *set, const ct_body *body)
+{
+  return nodes_below(set, end_of(body)) - nodes_below(set, body->first_node);
+}
+
+/* Whether each node of a body is in one of two sets, and none in both. */
+static int is_between(const ct_body *body, const ct_row_set *a, const ct_row_set *b)
+{
+  int32_t i = nodes_below(a, body->first_node), j = nodes_below(b, body->first_node);
+  if (nodes_in(a, body) + nodes_in(b, body) != body->mesh->node_count) return 0;
+  for (int32_t n = body->first_node; n < end_of(body); n++)
+    if (i < a->node_count && a->nodes[i] == n) i++;
+    else if (j < b->node_count && b->nodes[j] == n) j++;
+    else return 0;
+  return 1;
+}
+
+/* ρ c₁ of a body. */
+static double impedance(const ct_body *body)
+{
+  double c1, c2;
+  ct_material_speeds(&body->material, &c1, &c2);
+  return body->material.density * c1;
+}
+
+/* Whether a body of a set moves freely where the set acts on it. */
+static int is_free(const ct_problem *problem, const ct_row_set *set, int32_t b)
+{
+  const ct_body *body = &problem->bodies[b];
+  const int32_t i = nodes_below(set, body->first_node), n = set->nodes == NULL ? i : set->nodes[i];
+  const double *inverse = &problem->inverse_mass[3 * (size_t)n];
+  return !ct_problem_is_rigid(problem, b) && inverse[0] + inverse[1] + inverse[2] > 0.0;
+}
+
+/* Whether waves pass from body `b` into the other bodies of a set: these are about as heavy and
+ * stiff (eq:release-passed). A wall and what is held reflect them. */
+static int passes(const ct_problem *problem, const ct_row_set *set, int32_t b)
+{
+  int others = 0;
+  for (int32_t o = 0; o < problem->body_count; o++) {
+    if (o == b || nodes_in(set, &problem->bodies[o]) == 0) continue;
+    // -- 2/3 <= ρ c₁ / ρ̄ c̄₁ <= 3/2 (eq:release-passed)
+    const double part = impedance(&problem->bodies[o]) / impedance(&problem->bodies[b]);
+    if (!(fmax(part, 1.0 / part) <= 1.5) || !is_free(problem, set, o)) return 0;
+    others++;
+  }
+  return others > 0;
+}
+
+/* Write the pairs of sets with one layer between them, unless `pairs` is null; returns their
+ * number. */
+static int32_t find_pairs(const ct_problem *problem, const ct_row_set *sets, int32_t count,
+                          int32_t *beside, int32_t (*pairs)[2])
+{
+  int32_t found = 0;
+  for (int32_t b = 0; b < problem->body_count; b++) {
+    const ct_body *body = &problem->bodies[b];
+    int32_t own = 0;
+    for (int32_t k = 0; k < count; k++)
+      if (sets[k].most > 0 && nodes_in(&sets[k], body) > 0) beside[own++] = k;
+    for (int32_t i = 0; i < own; i++)
+      for (int32_t j = 0; j < own; j++) {
+        const ct_row_set *one = &sets[beside[i]], *two = &sets[beside[j]];
+        if (i == j || !is_between(body, one, two) || ct_problem_is_rigid(problem, b) ||
+            !passes(problem, one, b) || !passes(problem, two, b))
+          continue;
+        if (pairs != NULL) pairs[found][0] = beside[i], pairs[found][1] = beside[j];
+        found++;
+      }
+  }
+  return found;
+}
+
+void ct_layers_find(const ct_problem *problem, const ct_row_set *sets, int32_t count, ct_solver *s)
+{
+  int32_t *beside = ct_pool_take(&s->pool, (size_t)count, sizeof *beside);
+  if (beside == NULL) return;
+  s->layer_count = find_pairs(problem, sets, count, beside, NULL);
+  if (s->layer_count == 0) return;
+  s->layers = ct_pool_take(&s->pool, (size_t)s->layer_count, sizeof *s->layers);
+  s->pressed = ct_pool_take(&s->pool, (size_t)count, sizeof *s->pressed);
+  s->passes = ct_pool_take(&s->pool, (size_t)count, sizeof *s->passes);
+  if (!s->pool.failed) find_pairs(problem, sets, count, beside, s->layers);
+}

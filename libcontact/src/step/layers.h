@@ -1,0 +1,13 @@
+#ifndef CT_SRC_STEP_LAYERS_H
+#define CT_SRC_STEP_LAYERS_H
+
+#include <libcontact/problem.h>
+
+#include "../constraint/solve.h"
+
+/* Find the pairs of sets between which a body is one layer of elements that passes waves on
+ * (eq:release-passed); from the solver's pool, which may fail. */
+void ct_layers_find(const ct_problem *problem, const ct_row_set *sets, int32_t count,
+                    ct_solver *solver);
+
+#endif
