@@ -127,12 +127,6 @@ static double reach_of(ct_contact *contact)
                                : sqrt(ct_vector_dot(contact->came, contact->came))));
 }
 
-/* Whether a point is near enough to store energy. */
-CT_INLINE int may_store(const ct_point *p, double reach)
-{
-  return p->row.gap < reach && p->other >= 0 && !isnan(p->row.normal[0]);
-}
-
 /* Points whose claims are computed side by side. */
 enum { CLAIMS = 64 };
 
@@ -146,7 +140,7 @@ static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t coun
   if (count < 1) return 0;
   for (int64_t i = 0; i < count; i++, p++) {
     k[i] = p->row.stiffness;
-    if (!may_store(p, reach)) {
+    if (!(p->row.gap < reach)) {
       before[i] = gap[i] = 0.0;
       continue;
     }
@@ -187,7 +181,7 @@ void ct_admission_limit(ct_contact *contact)
   for (ct_side *side = sides; side < sides + count; side++)
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
-        if (may_store(p, reach)) admit(side, p);
+        if (p->row.gap < reach) admit(side, p);
 }
 
 /* The energy that the points of a side store with an explicit penalty. */
@@ -207,10 +201,9 @@ static int64_t list_works(const ct_side *side, int starting, double *terms)
     for (const ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
       const ct_constraint *row = &p->row;
       // -- Minus the work of the row (eq:admitted-account)
-      double term = -0.5 * row->force * (row->after - row->before);
-      if (starting && p->listed) term += ct_law_claim(row);
-      terms[some] = term;
-      some += term != 0.0;
+      terms[some] = -0.5 * row->force * (row->after - row->before);
+      if (starting && p->listed) terms[some] += ct_law_claim(row);
+      some++;
     }
   return some;
 }

@@ -97,7 +97,8 @@ static void forget(ct_contact *contact)
            3 * (size_t)search->node_count * sizeof *search->x);
   }
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
-    const ct_side *side = &contact->gaps.side[s];
+    ct_side *side = &contact->gaps.side[s];
+    side->nothing = -1.0;
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = &side->points[run.first]; p < &side->points[run.end]; p++) {
         p->other = -1;
@@ -164,12 +165,14 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides;
   for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++) take_places(contact, s, now->x);
+  for (int s = 0; s < count; s++)
+    sides[s].nothing =
+        ct_start_gap_counts(rule) && !sides[s].shifted ? ct_side_unsure(&sides[s]) : -1.0;
   ct_status status = fixed->partner->measure(contact, now, error);
   if (status == CT_OK && now->before > 0.0 && !now->first)
     status = fixed->partner->check(contact, now, error);
   if (status != CT_OK) return status;
-  if (ct_start_gap_counts(rule) && !ct_contact_rounds(contact))
-    ct_start_gap_shift(rule, sides, count, now, contact->record.time);
+  if (ct_start_gap_counts(rule)) ct_start_gap_shift(rule, sides, count, now, contact->record.time);
   if (fixed->admits) ct_admission_shift(sides, count, ct_start_gap_counts(rule));
   if (fixed->admits && !now->first && now->before > 0.0) ct_admission_limit(contact);
   return now->first ? refuse(contact, error) : CT_OK;

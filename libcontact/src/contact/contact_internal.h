@@ -208,14 +208,6 @@ static inline int ct_start_gap_fades(const ct_start_rule *rule)
   return rule->initial_penetration == CT_INITIAL_REMOVE;
 }
 
-/* Whether gaps are 0 where they are rounding as soon as they are measured, which spares a pass: at
- * a plane whose points have no start gap. */
-static inline int ct_contact_rounds(const ct_contact *contact)
-{
-  return contact->axis != NULL && !contact->gaps.side[0].shifted &&
-         ct_start_gap_counts(&contact->fixed->start_rule);
-}
-
 /* Fail if a point of `sides` surfaces penetrates by more than is adjusted (eq:initial-shift). */
 ct_status ct_start_gap_refuse(const ct_start_rule *rule, const ct_penetration *found,
                               const char *label, int sides, ct_error *error);

@@ -163,6 +163,7 @@ static int meet(const ct_contact *contact, int64_t i, int first)
     point->row.normal[c] = point->outward[c];
   }
   point->jumped = !first && !was && point->row.gap < 0.0;
+  point->row.gap = ct_side_gap(&contact->gaps.side[0], point->row.gap);
   if (!has_passed(contact, i)) return !isnan(point->d[0]);
   point->other = -1;
   if (point->row.gap < 0.0) point->status = CT_POINT_BURIED;
@@ -183,13 +184,12 @@ CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const i
   }
 }
 
-/* Store the gap of a point over a plane, 0 if it is at most `nothing`; its vector to the plane only
- * if it is wanted. */
-CT_INLINE void keep_gap(ct_point *point, double gap, double nothing, const double *wanted)
+/* Store the gap of a point over a plane; its vector to the plane only if it is wanted. */
+CT_INLINE void keep_gap(const ct_side *side, double gap, const double *wanted, ct_point *point)
 {
   point->last_known = point->known;
   point->known = gap;
-  point->row.gap = fabs(gap) <= nothing ? 0.0 : gap;
+  point->row.gap = ct_side_gap(side, gap);
   point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; wanted != NULL && c < 3; c++) point->d[c] = -gap * wanted[c];
@@ -204,7 +204,6 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
   const int points = side->fixed->rule.count, per = search->per, four = per == 4 && points == 4;
   // The vectors are for start gaps and the explicit penalty.
   const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
-  const double nothing = ct_contact_rounds(contact) ? ct_side_unsure(side) : -1.0;
   for (ct_span run = {0}; ct_side_next_faces(side, &run);)
     for (int64_t f = run.first; f < run.end; f++) {
       const int32_t *node = &search->faces[f * per];
@@ -212,10 +211,10 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
       double gap[32];
       if (four) {
         meet_face(4, 4, side->fixed, node, height, gap);
-        for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], nothing, wanted);
+        for (int q = 0; q < 4; q++) keep_gap(side, gap[q], wanted, &point[q]);
       } else {
         meet_face(per, points, side->fixed, node, height, gap);
-        for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], nothing, wanted);
+        for (int q = 0; q < points; q++) keep_gap(side, gap[q], wanted, &point[q]);
       }
     }
 }

@@ -24,11 +24,9 @@ static double before_of(const ct_point *p) { return p->stored_before; }
 
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force), if it meets one. */
-CT_INLINE int is_listed(int meets, int directed, double reach, const ct_point *point)
+CT_INLINE int is_listed(double reach, const ct_constraint *row)
 {
-  const ct_constraint *row = &point->row;
-  if (!(row->gap <= reach) && (isnan(row->gap) || !ct_law_may_release(row))) return 0;
-  return (!meets || point->other >= 0) && (directed || !isnan(row->normal[0]));
+  return row->gap <= reach || (!isnan(row->gap) && ct_law_may_release(row));
 }
 
 /* Motions of an obstacle along its one normal, in the last step and the next one. */
@@ -85,7 +83,7 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
       p->stored_before = stored_of(p);
-      p->listed = is_listed(other != NULL, axis != NULL, reach, p);
+      p->listed = is_listed(reach, &p->row);
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
         continue;
@@ -134,13 +132,10 @@ double ct_side_take_rows(ct_side *side)
 static void penalize(ct_point *p)
 {
   const double *n = p->row.normal, k = p->row.stiffness;
-  const int inside = p->other >= 0 && p->row.gap < 0.0, counted = p->shift != 0.0;
-  for (int c = 0; c < 3; c++) {
-    p->force[c] = 0.0;
+  const int inside = p->row.gap < 0.0, counted = p->shift != 0.0;
+  for (int c = 0; c < 3; c++)
     // -- F = k d (eq:contact-force, eq:obstacle-force)
-    if (inside && !counted) p->force[c] = k * p->d[c];
-    if (inside && counted && !isnan(n[0])) p->force[c] = -k * p->row.gap * n[c];
-  }
+    p->force[c] = !inside ? 0.0 : counted ? -k * p->row.gap * n[c] : k * p->d[c];
 }
 
 double ct_side_apply_penalty(ct_side *side)

@@ -115,7 +115,7 @@ void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
     for (ct_span run = {0}; ct_side_next(&sides[s], &run);)
       for (int64_t i = run.first; i < run.end; i++) {
         ct_point *point = &sides[s].points[i];
-        point->start = point->other < 0 ? 0.0 : first_gap(rule, rounding, &sides[s], i);
+        point->start = isnan(point->row.gap) ? 0.0 : first_gap(rule, rounding, &sides[s], i);
       }
   }
 }
@@ -141,18 +141,15 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
          next_share = left(rule, now->time + now->dt);
   for (ct_side *side = sides; side < sides + count; side++) {
     const double nothing = ct_side_unsure(side);
-    const int shifted = side->shifted;
-    if (shifted) side->shifted = 0;
+    if (!side->shifted) continue;
+    side->shifted = 0;
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
-        if (shifted) {
-          side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
-          p->last_start = p->start;
-          // Most points have none, and keep none.
-          if (p->start != 0.0)
-            shift_point(rule, side, now->first, share, last_share, next_share, p);
-          else p->shift = p->closed = p->closing = 0.0;
-        }
+        side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
+        p->last_start = p->start;
+        // Most points have none, and keep none.
+        if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
+        else p->shift = p->closed = p->closing = 0.0;
         if (fabs(p->row.gap) <= nothing) p->row.gap = 0.0;
       }
   }

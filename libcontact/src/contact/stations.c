@@ -141,7 +141,8 @@ static void keep(const station *s, ct_point *p, const ct_nearest *found, double 
   p->row.own = ct_side_row_nodes(s->contact->gaps.side[0].fixed, found->face);
   p->along = NAN;
   p->last_known = p->known;
-  p->row.gap = p->known = gap;
+  p->known = gap;
+  p->row.gap = ct_side_gap(&s->contact->gaps.side[1], gap);
   for (int c = 0; c < 3; c++) p->outward[c] = p->row.normal[c] = n[c], p->d[c] = -gap * n[c];
 }
 

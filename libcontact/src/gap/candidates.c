@@ -44,13 +44,10 @@ static int32_t put_first(const ct_search *search, const ct_bounds *box, int32_t 
 }
 
 /* How far each point of a face is from the boxes of all faces but the one that it met. A face that
- * is not listed is farther than the skin from the whole face. Boxes of quadratic faces move farther
- * than their nodes, so there the bound is 0 (eq:rival-distance). */
+ * is not listed is farther than the skin from the whole face (eq:rival-distance). */
 static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, double skin)
 {
-  const int points = side->fixed->rule.count;
-  const int linear = side->search->per == side->search->edges &&
-                     other->search->per == other->search->edges && side != other;
+  const int points = side->fixed->rule.count, linear = ct_sides_are_linear(side, other);
   for (int64_t p = (int64_t)face * points; p < (int64_t)(face + 1) * points; p++) {
     double y[3], least = skin * skin;
     side->met[p] = linear ? side->points[p].other : -1;
@@ -162,12 +159,6 @@ int ct_gaps_are_separated(const ct_gaps *gaps)
   return relative_motion(a, b) <= part * gaps->clear && !holds(a) && !holds(b);
 }
 
-/* Depth of a point that was in contact in the last update, else 0. */
-static double depth_of(const ct_point *point)
-{
-  return point->status == CT_POINT_INSIDE ? -point->known : 0.0;
-}
-
 /* Whether the lists reach as deep as each point in contact can have come since the last update, one
  * step of `near` deeper (eq:tunnelling). */
 static int reaches_deepest(const ct_side *side, double near)
@@ -175,13 +166,9 @@ static int reaches_deepest(const ct_side *side, double near)
   const int points = side->fixed->rule.count;
   for (ct_span run = {0}; ct_side_next_faces(side, &run);)
     for (int64_t f = run.first; f < run.end; f++) {
-      const ct_point *p = &side->points[f * points];
-      double deepest = 0.0;
-      for (int q = 0; q < points; q++) {
-        const double deep = depth_of(&p[q]);
-        if (deep > deepest) deepest = deep;
-      }
-      if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
+      const double listed = side->listed[f];
+      for (const ct_point *p = &side->points[f * points], *end = p + points; p < end; p++)
+        if (near - p->known > listed && p->status == CT_POINT_INSIDE) return 0;
     }
   return 1;
 }
@@ -194,9 +181,9 @@ static void set_reach(ct_side *side, double depth, double near)
   for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = 1.1 * depth;
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (int64_t i = run.first; i < run.end; i++) {
-      double *listed = &side->listed[i / side->fixed->rule.count],
-             deep = depth_of(&side->points[i]);
-      if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
+      double *listed = &side->listed[i / side->fixed->rule.count];
+      const ct_point *p = &side->points[i];
+      if (p->status == CT_POINT_INSIDE) *listed = fmax(*listed, 1.5 * (near - p->known));
     }
 }
 

@@ -425,17 +425,17 @@ static int is_alone(const ct_pass *p, int64_t i)
   const ct_point *point = &p->side->points[i];
   if (point->other >= 0 || point->status == CT_POINT_INSIDE || p->first) return 0;
   return list[0] == list[1] ||
-         (p->side->met[i] < 0 && (1.0 + 1e-9) * (p->depth + p->since) < p->side->distant[i]);
+         (p->side->met[i] < 0 && ct_pass_reached(p, p->depth) < p->side->distant[i]);
 }
 
-/* How far all candidates of a point without a face were when the lists were made; quadratic faces
- * may move farther than their nodes (eq:clear-distance). */
+/* How far all candidates of a point without a face were when the lists were made
+ * (eq:clear-distance). */
 static void keep_clear(const ct_pass *p, int64_t i, double clear)
 {
-  const ct_search *own = p->side->search, *other = p->other->search;
-  const int linear = !p->self && own->per == own->edges && other->per == other->edges;
   p->side->met[i] = -1;
-  p->side->distant[i] = linear ? clear - p->since - CT_CLOSEST_POINT_ERROR * other->size : 0.0;
+  p->side->distant[i] = ct_sides_are_linear(p->side, p->other)
+                            ? clear - p->since - CT_CLOSEST_POINT_ERROR * p->other->search->size
+                            : 0.0;
 }
 
 static void search_point(const ct_pass *p, int64_t i)

@@ -28,6 +28,12 @@ enum { CT_WARM = 8 };
  * Returns one bit for each. */
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count);
 
+/* Distance of a place now, in which nothing is that was farther when the candidates were listed. */
+static inline double ct_pass_reached(const ct_pass *p, double reach)
+{
+  return (1.0 + 1e-9) * (reach + p->since);
+}
+
 /* Unit normal of a point's own face; returns 0 if it has none. */
 static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
 {

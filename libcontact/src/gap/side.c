@@ -230,6 +230,7 @@ void ct_side_direct(const ct_side *side, ct_point *point)
   }
   const double length = sqrt(ct_vector_dot(outward, outward));
   for (int c = 0; c < 3; c++) point->row.normal[c] = outward[c] / length;
+  point->row.gap = length > 0.0 ? ct_side_gap(side, gap) : NAN;
 }
 
 /* Normal of the surface at the place of a station. */

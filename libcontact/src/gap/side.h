@@ -26,18 +26,19 @@ typedef enum ct_point_status {
 /* One point of a side at the last update: first what most steps need. */
 typedef struct ct_point {
   ct_constraint row; /* of the constraint problem. `gap` is the signed distance minus `shift`; NaN
-                        without `other` */
+                        without `other`, or without a direction */
   int listed;        /* whether the row is listed in this step */
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
-  int jumped;      /* whether it is inside by more than the motion since then explains */
-  double xi[2];    /* parameters of the closest point on it, or 0 */
+  int jumped;        /* whether it is inside by more than the motion since then explains */
+  double last_known; /* `known` of the last step */
+  double xi[2];      /* parameters of the closest point on it, or 0 */
   double known;    /* signed distance at the last update from the nearest place, in contact or not;
                       NaN: none was near */
   double start;    /* start gap that does not fade (eq:initial-adjust) */
   double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
-  double force_size;             /* size of the force in the last step, if start gaps fade */
-  double last_known, last_start; /* the same in the last step */
+  double force_size;    /* size of the force in the last step, if start gaps fade */
+  double last_start;    /* `start` of the last step */
   double stored_before; /* energy that its row stored and held at the middle of the last step */
   double shift;   /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
   double closed;  /* growth of the shift since the last step */
@@ -97,7 +98,8 @@ typedef struct ct_side {
   int32_t run_count;
   ct_search *search; /* shares the topology of the fixed one */
   ct_point *points;  /* shape (face_count, rule.count) */
-  int shifted;       /* whether a point may have a start gap now, or had one in the last step */
+  int shifted;    /* whether a point may have a start gap now, or had one in the last step; ... */
+  double nothing; /* ... if not, size of gaps that count as 0; else negative */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3), and one
                                  number more, 0 */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
@@ -192,6 +194,15 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 double ct_side_depth(const ct_side *side, const ct_search *other, int32_t face, const double xi[2],
                      double y[3]);
 
+/* Whether the boxes of all faces of two sides move no farther than their nodes, as those of
+ * quadratic faces do. There, and on a surface with itself, distances since the last listing tell
+ * nothing. */
+static inline int ct_sides_are_linear(const ct_side *side, const ct_side *other)
+{
+  return side != other && side->search->per == side->search->edges &&
+         other->search->per == other->search->edges;
+}
+
 /* Size of a change of a distance between two steps that may be rounding: the closest point of a
  * point at rest comes from another iteration. */
 static inline double ct_side_unsure(const ct_side *side)
@@ -199,11 +210,18 @@ static inline double ct_side_unsure(const ct_side *side)
   return 16.0 * DBL_EPSILON * side->search->size;
 }
 
+/* A measured gap as it counts. */
+static inline double ct_side_gap(const ct_side *side, double gap)
+{
+  return fabs(gap) <= side->nothing ? 0.0 : gap;
+}
+
 /* Distance below which a point and its closest point coincide: the gap vector has no direction. */
 static inline double ct_side_coincident(const ct_side *side) { return 1e-12 * side->search->size; }
 
 /* Set the unit direction of the force on a point whose gap has just been measured, `row.normal`:
- * along the line to its closest point, or the normal if the two coincide. NaN if there is none. */
+ * along the line to its closest point, or the normal if the two coincide. The gap becomes NaN if
+ * there is none. */
 void ct_side_direct(const ct_side *side, ct_point *point);
 
 #endif
