@@ -19,19 +19,20 @@ typedef struct block {
   double origin[3 * CT_WARM]; /* middle of the face's box: subtracted from the positions and the
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
-  double points[3 * CT_WARM], start[2 * CT_WARM];
+  double points[3 * CT_WARM], start[2 * CT_WARM], known[CT_WARM], unused[CT_WARM];
   double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
   int32_t status[CT_WARM];
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
   double along[CT_WARM];
-  int four[2];                   /* whether four lanes each are loaded together (are_four) */
-  ct_point_status last[CT_WARM]; /* its status */
-  int rival[CT_WARM];            /* whether another face may be as near */
-  int inside[CT_WARM];           /* whether its last face is the nearest one */
-  int enters[CT_WARM];           /* whether it comes into contact */
-  int sure;                      /* whether all lanes are inside, and none enters */
-  int touches;                   /* whether a point coincides with its closest point */
+  int four[2]; /* whether four lanes each are loaded together (are_four) */
+  ct_point_status last[CT_WARM],
+      next[CT_WARM];   /* its status, and if its last face is the nearest */
+  int rival[CT_WARM];  /* whether another face may be as near */
+  int inside[CT_WARM]; /* whether its last face is the nearest one */
+  int enters[CT_WARM]; /* whether it comes into contact */
+  int sure;            /* whether all lanes are inside, and none enters */
+  int touches;         /* whether a point coincides with its closest point */
 } block;
 
 /* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
@@ -86,12 +87,12 @@ CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[C
     for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
 }
 
-/* Whether four lanes from a multiple of four on are the points of one face with four nodes and a
- * 2 x 2 rule, and have one target. */
-CT_INLINE int are_four(const ct_pass *p, const block *b, int l)
+/* Whether four lanes from a multiple of four on, of those in `warm`, are the points of one face
+ * with four nodes and a 2 x 2 rule, and have one target. */
+CT_INLINE int are_four(const ct_pass *p, const block *b, unsigned warm, int l)
 {
-  return p->side->fixed->rule.count == 4 && p->side->search->per == 4 && b->q[l] == 0 &&
-         are_one(b->face, l) && are_one(b->target, l);
+  return p->side->fixed->rule.count == 4 && p->side->search->per == 4 && (warm >> l & 15) == 15 &&
+         are_one(b->target, l);
 }
 
 /* Middle of a box; a fourth number has no meaning. */
@@ -155,15 +156,80 @@ CT_INLINE void load(const ct_pass *p, int per, block *b)
   sum_lanes(per, N, own, b->points);
 }
 
-CT_CLONES
-static void load_block(const ct_pass *p, block *b)
+/* Four numbers of each of `count` points, one or four, from a member on, as lanes; and back. */
+CT_INLINE void read_numbers(size_t member, int count, const ct_point *point, double *const to[4])
 {
-  b->four[0] = are_four(p, b, 0), b->four[1] = are_four(p, b, 4);
+  const double *from[4];
+  for (int i = 0; i < count; i++)
+    from[i] = (const double *)(const void *)((const char *)&point[i] + member);
+  if (count == 4) ct_turn(from, to);
+  for (int k = 0; count == 1 && k < 4; k++) *to[k] = from[0][k];
+}
+
+CT_INLINE void write_numbers(const double *const from[4], int count, size_t member, ct_point *point)
+{
+  double *to[4];
+  for (int i = 0; i < count; i++) to[i] = (double *)(void *)((char *)&point[i] + member);
+  if (count == 4) ct_turn(from, to);
+  for (int k = 0; count == 1 && k < 4; k++) to[0][k] = *from[k];
+}
+
+/* The lanes without a face repeat one of the others; returns one bit for each of these. */
+CT_INLINE unsigned repeat_points(int count, block *b)
+{
+  unsigned warm = 0;
+  int some = -1;
+  for (int l = 0; l < count; l++)
+    if (b->target[l] >= 0) warm |= 1u << l, some = l;
+  for (int l = 0; l < CT_WARM && some >= 0; l++) {
+    if (warm >> l & 1) continue;
+    b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
+    b->last[l] = b->last[some];
+    for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
+  }
+  return warm;
+}
+
+/* Load the points into lanes. Returns one bit for each point with a face. */
+CT_INLINE unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
+{
+  const int32_t points = p->side->fixed->rule.count, q = (int32_t)(first % points);
+  const int32_t face = (int32_t)(first / points);
+  const ct_point *point = &p->side->points[first];
+  int32_t signs = 0;
+  b->number = first, b->count = count;
+  for (int l = 0; l < CT_WARM; l++) {
+    // A face of four nodes or more has four points at least.
+    const int32_t more = (q + l >= points) + (q + l >= 2 * points);
+    b->face[l] = face + more, b->q[l] = q + l - more * points;
+  }
+  for (int l = 0; l < count; l++) {
+    b->target[l] = point[l].other;
+    b->last[l] = point[l].status;
+    signs |= point[l].other;
+  }
+  for (int l = 0, next; l < count; l = next) {
+    double *const to[4] = {&b->start[l], &b->start[CT_WARM + l], &b->known[l], &b->unused[l]};
+    next = l % 4 == 0 && l + 4 <= count ? l + 4 : l + 1;
+    if (next == l + 4) read_numbers(offsetof(ct_point, xi), 4, &point[l], to);
+    else read_numbers(offsetof(ct_point, xi), 1, &point[l], to);
+  }
+  return signs >= 0 && count == CT_WARM ? (1u << CT_WARM) - 1 : repeat_points(count, b);
+}
+
+CT_CLONES
+static unsigned load_block(const ct_pass *p, int64_t first, int count, block *b)
+{
+  const unsigned warm =
+      count == CT_WARM ? take_points(p, first, CT_WARM, b) : take_points(p, first, count, b);
+  if (warm == 0) return 0;
+  b->four[0] = are_four(p, b, warm, 0), b->four[1] = are_four(p, b, warm, 4);
   if (b->four[0] && b->four[1]) {
     load_four(p, 0, b);
     load_four(p, 4, b);
   } else if (p->side->search->per == 4) load(p, 4, b);
   else load(p, 8, b);
+  return warm;
 }
 
 /* Gap vectors d = ȳ - y and signed gaps of the points at their closest points (eq:gap). Inlined
@@ -289,16 +355,20 @@ CT_INLINE int met_alone(const ct_side *side, int64_t number, int count, int32_t 
 {
   const int32_t *met = &side->met[number];
   const double *distant = &side->distant[number];
-  int alone = 1;
-  for (int l = 0; l < count; l++) alone &= (met[l] == face) & (reach < distant[l]);
-  return alone;
+  double least = distant[0];
+  int32_t others = met[0] ^ face;
+  for (int l = 1; l < count; l++) {
+    least = distant[l] < least ? distant[l] : least;
+    others |= met[l] ^ face;
+  }
+  return others == 0 && reach < least;
 }
 
 /* Whether no face but its target can be within the reach of a group, by the distances and the
  * motion since the faces were listed (eq:rival-distance). Lanes beyond `count` repeat others. */
 CT_INLINE int has_no_rival(const ct_pass *p, const block *b, const lane_group *g)
 {
-  const double reach = (1.0 + 1e-9) * (g->most + p->since);
+  const double reach = ct_pass_reached(p, g->most);
   const int end = g->end < b->count ? g->end : b->count, count = end - g->first;
   const int64_t number = b->number + g->first;
   const int32_t face = b->target[g->first];
@@ -369,8 +439,9 @@ CT_INLINE void settle(const ct_pass *p, block *b)
         (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) & (b->distance[l] < depth) &
         !b->rival[l] &
         ((status == CT_OK) | (status == CT_NOT_CERTIFIED) | (status == CT_ITERATION_LIMIT));
-    const int enters = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
-    b->inside[l] = in, b->enters[l] = enters;
+    const int32_t next = CT_POINT_OUTSIDE + (b->gap[l] < 0.0); // or inside, the next one
+    const int enters = (next == CT_POINT_INSIDE) & (b->last[l] != CT_POINT_INSIDE);
+    b->inside[l] = in, b->enters[l] = enters, b->next[l] = (ct_point_status)next;
     doubt |= (!in) | enters;
     touches |= !(fabs(b->gap[l]) > coincident);
   }
@@ -397,19 +468,12 @@ static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
          !(ct_pass_own_normal(p, number, own) && ct_pass_faces_across(own, normal));
 }
 
-/* Store four numbers in each of `count` points, one or four, from a member on. */
-CT_INLINE void write_numbers(const double *const from[4], int count, size_t member, ct_point *point)
-{
-  double *to[4];
-  for (int i = 0; i < count; i++) to[i] = (double *)(void *)((char *)&point[i] + member);
-  if (count == 4) ct_turn(from, to);
-  for (int k = 0; count == 1 && k < 4; k++) to[0][k] = *from[k];
-}
-
 /* A member between these does not compile. */
 typedef char members_follow_on_each_other
     [offsetof(ct_point, row.gap) == offsetof(ct_point, row.normal) + 3 * sizeof(double) &&
-             offsetof(ct_point, along) == offsetof(ct_point, d) + 3 * sizeof(double)
+             offsetof(ct_point, along) == offsetof(ct_point, d) + 3 * sizeof(double) &&
+             offsetof(ct_point, xi) == offsetof(ct_point, last_known) + sizeof(double) &&
+             offsetof(ct_point, known) == offsetof(ct_point, xi) + 2 * sizeof(double)
          ? 1
          : -1];
 
@@ -425,15 +489,13 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
   for (size_t a = 0; a < (size_t)per; a += 4, N += 4 * CT_WARM)
     write_numbers((const double *const[4]){N, N + CT_WARM, N + 2 * CT_WARM, N + 3 * CT_WARM}, count,
                   offsetof(ct_point, N) + a * sizeof *N, point);
-  for (int i = 0; i < count; i++, point++) {
-    for (int a = 0; a < 2; a++) point->xi[a] = b->xi[CT_WARM * a + l + i];
-    point->jumped = 0;
-    point->last_known = point->known;
-    point->known = gap[i];
-    point->status = (ct_point_status)(CT_POINT_OUTSIDE + (gap[i] < 0.0)); // or inside, the next one
-    if (!b->touches || fabs(gap[i]) > ct_side_coincident(p->side)) continue;
-    for (int c = 0; c < 3; c++) point->outward[c] = b->normal[CT_WARM * c + l + i];
-    ct_side_direct(p->side, point);
+  write_numbers((const double *const[4]){&b->known[l], &b->xi[l], &b->xi[CT_WARM + l], gap}, count,
+                offsetof(ct_point, last_known), point);
+  for (int i = 0; i < count; i++) point[i].jumped = 0, point[i].status = b->next[l + i];
+  for (int i = 0; b->touches && i < count; i++) {
+    if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
+    for (int c = 0; c < 3; c++) point[i].outward[c] = b->normal[CT_WARM * c + l + i];
+    ct_side_direct(p->side, &point[i]);
   }
 }
 
@@ -447,11 +509,11 @@ CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64
   for (int l = 0; l < CT_WARM && !b->sure; l++)
     if ((warm >> l & 1) && b->inside[l] && !(b->enters[l] && is_strange(p, b, l, first + l)))
       settled |= 1u << l;
-  for (int l = 0, next; l < CT_WARM; l = next) {
-    next = l % 4 == 0 && (settled >> l & 15) == 15 ? l + 4 : l + 1;
-    if (next == l + 4) write_lanes(p, b, per, 4, l, &points[l]);
-    else if (settled >> l & 1) write_lanes(p, b, per, 1, l, &points[l]);
-  }
+  for (int h = 0; h < CT_WARM; h += 4)
+    if ((settled >> h & 15) == 15) write_lanes(p, b, per, 4, h, &points[h]);
+    else
+      for (int l = h; l < h + 4; l++)
+        if (settled >> l & 1) write_lanes(p, b, per, 1, l, &points[l]);
   return settled;
 }
 
@@ -460,40 +522,6 @@ static unsigned write_block(const ct_pass *p, const block *b, int64_t first, uns
 {
   return p->other->search->per == 4 ? write_points(p, b, 4, first, warm)
                                     : write_points(p, b, 8, first, warm);
-}
-
-/* The lanes without a face repeat one of the others; returns one bit for each of these. */
-static unsigned repeat_points(int count, block *b)
-{
-  unsigned warm = 0;
-  int some = -1;
-  for (int l = 0; l < count; l++)
-    if (b->target[l] >= 0) warm |= 1u << l, some = l;
-  for (int l = 0; l < CT_WARM && some >= 0; l++) {
-    if (warm >> l & 1) continue;
-    b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
-    b->last[l] = b->last[some];
-    for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
-  }
-  return warm;
-}
-
-/* Load the points into lanes. Returns one bit for each point with a face. */
-static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
-{
-  const int points = p->side->fixed->rule.count;
-  const ct_point *point = &p->side->points[first];
-  int32_t face = (int32_t)(first / points), signs = 0;
-  int q = (int)(first % points);
-  b->number = first, b->count = count;
-  for (int l = 0; l < count; l++, q++, point++) {
-    if (q == points) q = 0, face++;
-    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
-    b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
-    b->last[l] = point->status;
-    signs |= point->other;
-  }
-  return signs >= 0 && count == CT_WARM ? (1u << CT_WARM) - 1 : repeat_points(count, b);
 }
 
 /* Closest points of all lanes; returns 0 if there are none. Most are near their starts. */
@@ -514,10 +542,8 @@ static int project_block(const ct_pass *p, block *b)
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
 {
   block b;
-  const unsigned warm = take_points(p, first, count, &b);
-  if (warm == 0) return 0;
-  load_block(p, &b);
-  if (!project_block(p, &b)) return 0;
+  const unsigned warm = load_block(p, first, count, &b);
+  if (warm == 0 || !project_block(p, &b)) return 0;
   measure_block(p, &b);
   return write_block(p, &b, first, warm);
 }
