@@ -591,6 +591,27 @@ static void safe_approach(void)
          "a larger approach in a step is refused");
 }
 
+/* The centre of a quadratic face moves three times as far as its nodes if corners and mid-sides
+ * move apart. So it comes within the search distance 1 of a point that was clear of it by more than
+ * the motion of any node (eq:gap-bound, eq:clear-distance). */
+static void stretches(void)
+{
+  patch a = new_patch(CT_Q8, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q8, 1, 1, 0, 0, 1, 1, 0);
+  ct_contact_point point[18];
+  lift(&b, 1.2);
+  ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
+  for (int i = 0; i < 2; i++) update(contact, &a, &b);
+  ct_contact_points(contact, point, NULL);
+  tap_ok(point[4].other < 0 && point[13].other < 0, "centres beyond the search distance");
+  for (int n = 0; n < 9; n++)
+    b.x[3 * n + 2] += b.x[3 * n] == 0.5 || b.x[3 * n + 1] == 0.5 ? -0.12 : 0.12;
+  update(contact, &a, &b);
+  ct_contact_points(contact, point, NULL);
+  for (int i = 4; i < 18; i += 9)
+    tap_close(point[i].gap, 1.2 - 3.0 * 0.12, 1e-12, "centre of side %d within it", i / 9);
+  close_pair(contact, &a, &b);
+}
+
 /* Two blocks with the same outline press on each other and slide slightly, so that points of side
  * walls come beside the other block: two queries at one position must have the same result. */
 static void asked_twice(void)
@@ -634,6 +655,7 @@ int main(void)
   closed_border();
   ratios();
   safe_approach();
+  stretches();
   asked_twice();
   return tap_done();
 }

@@ -47,10 +47,10 @@ static int32_t put_first(const ct_search *search, const ct_bounds *box, int32_t 
  * is not listed is farther than the skin from the whole face (eq:rival-distance). */
 static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, double skin)
 {
-  const int points = side->fixed->rule.count, linear = ct_sides_are_linear(side, other);
+  const int points = side->fixed->rule.count;
   for (int64_t p = (int64_t)face * points; p < (int64_t)(face + 1) * points; p++) {
     double y[3], least = skin * skin;
-    side->met[p] = linear ? side->points[p].other : -1;
+    side->met[p] = side != other ? side->points[p].other : -1;
     side->distant[p] = 0.0;
     if (side->met[p] < 0) continue;
     ct_side_position(side, p, NULL, y);

@@ -11,8 +11,8 @@ typedef struct nearest {
   int32_t face;
   double distance;
   ct_projection closest;
-  double most;            /* search distance */
-  double clear;           /* if no face is found: a lower bound of the distance of all candidates */
+  double most;  /* search distance */
+  double clear; /* if no face is found: the square of a lower bound of all candidates' distance */
   double origin[3], y[3]; /* middle of the face's box, and the point relative to it */
   double own[3];          /* unit normal at the point, for a surface in contact with itself and if
                              `same_side` is set */
@@ -69,7 +69,6 @@ static double deepest(const ct_pass *p, int64_t i, int32_t target, const ct_proj
 static double motion_over(const ct_pass *p, int64_t i, int32_t target)
 {
   const ct_search *search = p->other->search;
-  const double most = search->per > search->edges ? 3.0 : 1.0;
   double own[3], top = 0.0;
   ct_side_interpolate(p->side->search, p->side->moved, face_of(p, i),
                       p->side->points[i].row.own_shape, NULL, own);
@@ -80,7 +79,7 @@ static double motion_over(const ct_pass *p, int64_t i, int32_t target)
     top = fmax(top, ct_vector_dot(d, d));
   }
   // -- m = S max |Δy - Δu_b|, with S = 3 on quadratic faces (eq:gap-bound)
-  return most * sqrt(top) + CT_CLOSEST_POINT_ERROR * search->size;
+  return ct_side_stretch(p->other) * sqrt(top) + CT_CLOSEST_POINT_ERROR * search->size;
 }
 
 /* The same for the face found and for the face of the last update. */
@@ -175,7 +174,7 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
   double origin[3], y[3], normal[3];
   const int found = project(p, i, target, start, origin, y, &closest),
             beyond = found && closest.distance > best->most;
-  best->clear = fmin(best->clear, beyond ? closest.distance : 0.0);
+  best->clear = fmin(best->clear, beyond ? closest.distance * closest.distance : 0.0);
   if (!found || beyond || (p->self && !is_admissible(p, i, best->own, y, target, &closest))) return;
   if (best->same_side) (void)outward_at(p, target, &closest, normal);
   // -- The search on one side skips far sides (eq:held)
@@ -334,9 +333,10 @@ static void try_box(const ct_pass *p, int64_t i, int32_t target, const double *s
                     const double y[3], nearest *best)
 {
   const double reach = best->distance < best->most ? best->distance : best->most,
-               distance = ct_bounds_distance(&p->other->search->boxes[target], y);
-  if (distance <= reach) try_face(p, i, target, start, best);
-  else best->clear = fmin(best->clear, distance);
+               square = ct_bounds_square(&p->other->search->boxes[target], y);
+  // With a margin, so that rounding excludes no face.
+  if (square <= (1.0 + 1e-12) * (reach * reach)) try_face(p, i, target, start, best);
+  else if (square < best->clear) best->clear = square;
 }
 
 /* The nearest face of a point, or the nearest one that is not on a far side. A point in contact
@@ -433,9 +433,8 @@ static int is_alone(const ct_pass *p, int64_t i)
 static void keep_clear(const ct_pass *p, int64_t i, double clear)
 {
   p->side->met[i] = -1;
-  p->side->distant[i] = ct_sides_are_linear(p->side, p->other)
-                            ? clear - p->since - CT_CLOSEST_POINT_ERROR * p->other->search->size
-                            : 0.0;
+  p->side->distant[i] =
+      p->self ? 0.0 : sqrt(clear) - p->since - CT_CLOSEST_POINT_ERROR * p->other->search->size;
 }
 
 static void search_point(const ct_pass *p, int64_t i)
@@ -487,10 +486,10 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
                .near = ct_widest_near_kernel(),
                .depth = ct_gaps_reach(gaps),
                .skin = gaps->fixed->skin,
-               .since = gaps->since,
                .deep = gaps->fixed->depth,
                .self = gaps->fixed->sides == 1,
                .first = !gaps->begun};
+  p.since = fmax(ct_side_stretch(p.side), ct_side_stretch(p.other)) * gaps->since;
   // On a surface with itself the distance alone does not determine the closest point; other methods
   // have no lanes; and lanes need faces of one kind.
   int lanes = !p.self && p.project.method == CT_ROBUST &&

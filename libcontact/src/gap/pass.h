@@ -14,7 +14,7 @@ typedef struct ct_pass {
   ct_near_kernel *near; /* for closest points that have moved little */
   double depth;         /* search distance of points */
   double skin;          /* additional distance to which candidates are listed */
-  double since;         /* bound of the relative motion since then */
+  double since;         /* bound of the motion of points relative to places on faces since then */
   double deep;          /* largest depth of a point in contact on a surface with itself */
   int self;             /* whether the other side is the same surface */
   int first;            /* whether no point has a status yet */

@@ -194,13 +194,10 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 double ct_side_depth(const ct_side *side, const ct_search *other, int32_t face, const double xi[2],
                      double y[3]);
 
-/* Whether the boxes of all faces of two sides move no farther than their nodes, as those of
- * quadratic faces do. There, and on a surface with itself, distances since the last listing tell
- * nothing. */
-static inline int ct_sides_are_linear(const ct_side *side, const ct_side *other)
+/* How much farther a place on a face may move than its nodes: Σ_a |N_a| at most (eq:gap-bound). */
+static inline double ct_side_stretch(const ct_side *side)
 {
-  return side != other && side->search->per == side->search->edges &&
-         other->search->per == other->search->edges;
+  return side->search->per > side->search->edges ? 3.0 : 1.0;
 }
 
 /* Size of a change of a distance between two steps that may be rounding: the closest point of a
