@@ -164,7 +164,7 @@ static int push_all(ct_solver *s)
   const int both = t != NULL && t->some && t->coupled;
   if ((both && !ct_tangent_push_all(s)) || !ct_matrix_push_all(s, s->force)) return 0;
   for (int32_t k = 0; both && k < s->node_count; k++)
-    for (int c = 0; c < 3; c++) s->moved[s->all_nodes[k] + c] += t->moved[s->all_nodes[k] + c];
+    for (int c = 0; c < 3; c++) s->moved[s->all_nodes[k] + c] += t->drift[s->all_nodes[k] + c];
   return 1;
 }
 

@@ -302,12 +302,11 @@ int ct_tangent_push_all(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!ct_tangent_push(s)) return 0;
-  if (s->pieces == NULL) return 1; // nodes without rows do not move
   for (int32_t n = 0; n < s->node_count; n++)
     memcpy(&t->sums[WIDE * (int64_t)n], &t->cut[CT_TANGENT_CUT * (int64_t)n],
            WIDE * sizeof *t->sums);
   ct_pieces_sum(s->pieces, t->sums, WIDE * (int64_t)s->node_count);
-  ct_matrix_move(s, s->node_count, s->all_nodes, t->sums, t->moved);
+  ct_matrix_move(s, s->node_count, s->all_nodes, t->sums, t->drift);
   return 1;
 }
 

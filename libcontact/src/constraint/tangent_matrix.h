@@ -49,7 +49,8 @@ void ct_tangent_clear(const ct_tangent *tangent);
  * finite. */
 int ct_tangent_push(ct_solver *solver);
 
-/* The same at all nodes of the solver; of pieces these are more than those of this piece's rows. */
+/* `drift` = this motion of all nodes of the solver, after the solution; of pieces and of rigid
+ * bodies these are more than those of the rows. */
 int ct_tangent_push_all(ct_solver *solver);
 
 /* Write the sums of the forces T at nodes for those who have listed the rows. */
