@@ -318,12 +318,14 @@ def test_a_scene_that_is_turned_and_mirrored_back_is_the_same():
         assert shapes.least_jacobian(form.parts["block"].bricks) > 0
 
 
-def test_plates_that_just_touch_turn_with_their_scene():
+@pytest.mark.parametrize("animal", [animals.thin_plates, animals.stack])
+def test_what_just_touches_turns_with_its_scene(animal):
     """Some points of turned plates touch a step before the others by rounding, and then opened a step before them
-    (eq:release-time)."""
+    (eq:release-time). A point of a turned stack opened again with what the solver's tolerance had left of its reserve,
+    which changed what all others gave back (eq:release-ramp)."""
     options = animals.Options(way=1)
-    row = zoo.Row("thin_plates", str(options))
-    zoo.compare_forms(row, animals.thin_plates(options))
+    row = zoo.Row(animal.__name__, str(options))
+    zoo.compare_forms(row, animal(options))
     assert row.same <= zoo.SAME and not row.reason
 
 

@@ -366,7 +366,8 @@ CT_INLINE void take(ct_constraint *c, double gain)
 }
 
 /* A force is one if its spring gives way by this part of the motion; a smaller one is rounding
- * where surfaces just touch, and must not decide when a contact begins. */
+ * where surfaces just touch, and must not decide when a contact begins. And this part of a reserve
+ * is left where the whole was given back. */
 static const double SOME = 1e-9;
 
 /* Now the row stores the energy `stored`. */
@@ -380,9 +381,11 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
   const double size = fabs(c->impact.reserve) + c->impact.stored + stored + fabs(0.5 * own * x);
   take(c, c->impact.stored - stored - 0.5 * own * x - dash);
   c->impact.reserve -= 0.5 * release * x;
-  // Rounding is nothing to give back; whether a point opens must not depend on it.
+  // Rounding is nothing to give back, nor what the solver's tolerance leaves of a whole reserve;
+  // whether a point opens must not depend on it.
+  const double least = (release > 0.0 ? SOME : 1e-12) * size;
   c->impact.reserve =
-      ((c->impact.reserve > 0.0) & (c->impact.reserve <= 1e-12 * size)) ? 0.0 : c->impact.reserve;
+      ((c->impact.reserve > 0.0) & (c->impact.reserve <= least)) ? 0.0 : c->impact.reserve;
   c->impact.stored = stored;
   count_time(c, own > SOME * c->stiffness * fabs(closed), enters, dt);
 }
