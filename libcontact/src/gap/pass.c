@@ -11,8 +11,8 @@ typedef struct nearest {
   int32_t face;
   double distance;
   ct_projection closest;
-  double most;  /* search distance */
-  double clear; /* if no face is found: the square of a lower bound of all candidates' distance */
+  double most;            /* search distance */
+  double clear;           /* if no face is found: a lower bound of the distance of all candidates */
   double origin[3], y[3]; /* middle of the face's box, and the point relative to it */
   double own[3];          /* unit normal at the point, for a surface in contact with itself and if
                              `same_side` is set */
@@ -174,7 +174,7 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
   double origin[3], y[3], normal[3];
   const int found = project(p, i, target, start, origin, y, &closest),
             beyond = found && closest.distance > best->most;
-  best->clear = fmin(best->clear, beyond ? closest.distance * closest.distance : 0.0);
+  best->clear = fmin(best->clear, beyond ? closest.distance : 0.0);
   if (!found || beyond || (p->self && !is_admissible(p, i, best->own, y, target, &closest))) return;
   if (best->same_side) (void)outward_at(p, target, &closest, normal);
   // -- The search on one side skips far sides (eq:held)
@@ -333,10 +333,9 @@ static void try_box(const ct_pass *p, int64_t i, int32_t target, const double *s
                     const double y[3], nearest *best)
 {
   const double reach = best->distance < best->most ? best->distance : best->most,
-               square = ct_bounds_square(&p->other->search->boxes[target], y);
-  // With a margin, so that rounding excludes no face.
-  if (square <= (1.0 + 1e-12) * (reach * reach)) try_face(p, i, target, start, best);
-  else if (square < best->clear) best->clear = square;
+               distance = ct_bounds_distance(&p->other->search->boxes[target], y);
+  if (distance <= reach) try_face(p, i, target, start, best);
+  else if (distance < best->clear) best->clear = distance;
 }
 
 /* The nearest face of a point, or the nearest one that is not on a far side. A point in contact
@@ -434,7 +433,7 @@ static void keep_clear(const ct_pass *p, int64_t i, double clear)
 {
   p->side->met[i] = -1;
   p->side->distant[i] =
-      p->self ? 0.0 : sqrt(clear) - p->since - CT_CLOSEST_POINT_ERROR * p->other->search->size;
+      p->self ? 0.0 : clear - p->since - CT_CLOSEST_POINT_ERROR * p->other->search->size;
 }
 
 static void search_point(const ct_pass *p, int64_t i)
