@@ -609,7 +609,6 @@ static void stretches(void)
   ct_contact_points(contact, point, NULL);
   for (int i = 4; i < 18; i += 9)
     tap_close(point[i].gap, 1.2 - 3.0 * 0.12, 1e-12, "centre of side %d within it", i / 9);
-  close_pair(contact, &a, &b);
 }
 
 /* Two blocks with the same outline press on each other and slide slightly, so that points of side
