@@ -273,7 +273,7 @@ static void add_openings(ct_solver *s, ct_opening how, const double *alone, int 
   double *more = s->guide;
   ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, more);
   if (!all && how != CT_OPENS_ALONE) keep_falling(s, how, alone, more);
-  for (int64_t r = 0; r < s->count; r++) opens[r] = fmax(opens[r], more[r]);
+  for (int64_t r = 0; r < s->count; r++) opens[r] = ct_larger(opens[r], more[r]);
 }
 
 /* The points that may open; in `all` sets, or where the forces of a set allow it. */

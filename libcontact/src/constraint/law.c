@@ -286,8 +286,8 @@ static const double PARTS[CT_OPENINGS] = {
 CT_INLINE int is_met(const ct_constraint *c, double dt)
 {
   // -- -½ <= (t_c - 2 h / c₁) / Δt < 3/2, where a tie is not left to rounding (eq:release-passed)
-  const double late = (c->impact.pressed - 2.0 * c->travel_time) / dt + 1e-6;
-  return (c->impact.idle == 0.0) & (late >= -0.5) & (late < 1.5);
+  const double late = c->impact.pressed - 2.0 * c->travel_time + 1e-6 * dt;
+  return (c->impact.idle == 0.0) & (late >= -0.5 * dt) & (late < 1.5 * dt);
 }
 
 /* The part of the last force below which a point opens so in this step. */
@@ -321,15 +321,24 @@ int ct_law_releases(const ct_constraint *c, double bound, double dt, double forc
   return releases(c, bound, dt, force, how);
 }
 
-CT_CLONES
-void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
-                          const double *force, ct_opening how, double *opens)
+/* `how` is a constant in each call, so each loop has only its own conditions. */
+CT_INLINE void find_releases(const ct_law_rows *of, const double *bound, double dt,
+                             const double *force, ct_opening how, double *opens)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
     const ct_constraint c = row_of(of, r);
     opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], how) ? 1.0 : 0.0;
   }
+}
+
+CT_CLONES
+void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
+                          const double *force, ct_opening how, double *opens)
+{
+  if (how == CT_OPENS_ALONE) find_releases(of, bound, dt, force, CT_OPENS_ALONE, opens);
+  else if (how == CT_OPENS_TOGETHER) find_releases(of, bound, dt, force, CT_OPENS_TOGETHER, opens);
+  else find_releases(of, bound, dt, force, CT_OPENS_PASSED, opens);
 }
 
 ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)
