@@ -44,8 +44,8 @@ for parts in ((1, 1, 1), (2, 1, 1), (2, 2, 1), (2, 2, 2), (4, 4, 4)):
     )
 
 ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 100
-# Two surfaces of 10^6 faces: at each node the force so far, its contact force in two parts, two counts of rows.
-SURFACE = 2e6 * 8 * (3 + 6 + 2) / BANDWIDTH
+# Two surfaces of 10^6 faces: at each node the force so far, its contact force in two parts, a count of rows.
+SURFACE = 2e6 * 8 * (3 + 6 + 1) / BANDWIDTH
 # Bytes of the problem for a node and an element: ten numbers and the coordinates of the mesh; nodes of elements.
 PROBLEM = 8 * (10 + 3) + 4 * 8
 # Measured bytes of another process for an element of its share, and for a face of the surfaces.
