@@ -24,7 +24,8 @@ def laboratory() -> Numbers:
             found[f"{key}_lost"] = row["lost"]
     zoo = defaults.table.read(DOCS / "stability" / "zoo.csv")
     found |= {
-        f"zoo_{name}": sum(r[name] for r in zoo) for name in ("runs", "ok", "refused", "fail")
+        f"zoo_{name}": sum(r[name] for r in zoo)
+        for name in ("runs", "ok", "told", "refused", "fail")
     }
     found["zoo_growth"] = max(r["bodies' energy grows by"] for r in zoo)
     return found
