@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from libcontact.mesh import Mesh
 
 import libcontact as ct
 
@@ -93,7 +94,27 @@ def crushed_ring():
     return made.set_time(end=end, fraction=0.6), 0.75
 
 
-MADE = (unlike, rigid, tied, crushed_strip, crushed_ring)
+def cradle():
+    """Three plates of one material, the middle one of one layer; within the first one a core is stiffer, which pieces
+    without it can't know (:eq:`release-passed`)."""
+    elastic = {"restitution": 1.0}
+    pairs = ("l.z_max", "m.z_min"), ("m.z_max", "u.z_min")
+    data = blocks(contact=[{"surfaces": pair, **elastic} for pair in pairs])
+    mesh = Mesh.box("hex8", [0, 0, -5], [4, 4, 5], [4, 4, 5])
+    core = (abs(mesh.nodes[mesh.elements].mean(axis=1) - [2, 2, -2.5]) < 1).all(axis=1)
+    sets = {"core": {"elements": np.flatnonzero(core)}, "skin": {"elements": np.flatnonzero(~core)}}
+    arrays = {"nodes": mesh.nodes, "elements": mesh.elements, "sets": sets}
+    stuff = {"core": "hard", "skin": "soft"}
+    data["material"].append({**SOFT, "name": "hard", "young": 9900, "density": 10})
+    data["body"] = [
+        {"name": "l", **arrays, "material": stuff, "velocity": [0, 0, 0.3]},
+        box("m", [0, 0, 0], [4, 4, 1], [4, 4, 1]),
+        box("u", [0, 0, 1], [4, 4, 1], [4, 4, 1]),
+    ]
+    return ct.Scene(data), 0.0
+
+
+MADE = (unlike, rigid, tied, crushed_strip, crushed_ring, cradle)
 NAMES = TUTORIALS + tuple(each.__name__ for each in MADE)
 
 

@@ -50,3 +50,25 @@ def test_a_turned_scene(seed, place):
 
 def test_swapped_surfaces_have_the_same_bits():
     assert np.array_equal(oblique(np.eye(3))[0], oblique(np.eye(3), swapped=True)[0])
+
+
+def test_a_mirrored_cradle_of_which_a_side_is_held():
+    """The rule for a layer between two contacts (:eq:`release-passed`) does not depend on which node is the first."""
+    ends = {}
+    for side in ("x_min", "x_max"):
+        made = ct.Scene(units=METRES).add_material("m", young=1.0, poisson=0.0, density=1.0)
+        for i, speed in enumerate((0.01, 0.0, 0.0)):
+            made.add_body(
+                f"b{i}",
+                material="m",
+                velocity=[0, 0, speed],
+                box=box_of([-2, -2, i], [4, 4, 1], [4, 4, 1]),
+            )
+        for i in range(2):
+            made.add_contact(f"b{i}.z_max", f"b{i + 1}.z_min")
+        made.add_support(f"b2.{side}", fix=["x", "y", "z"]).set_time(end=8.0, fraction=0.6)
+        ends[side] = made.run(output=False).state
+    for one, other in zip(ends["x_min"].values(), ends["x_max"].values(), strict=True):
+        order = np.lexsort((one.nodes * [-1, 1, 1]).T), np.lexsort(other.nodes.T)
+        moved = one.displacement[order[0]] * [-1, 1, 1]
+        assert np.array_equal(moved, other.displacement[order[1]])

@@ -3,6 +3,7 @@
 #include "../base/error.h"
 #include "constraints.h"
 #include "effect_internal.h"
+#include "layers.h"
 #include "piece.h"
 #include "workspace.h"
 
@@ -228,6 +229,8 @@ static ct_status cut(const ct_problem *problem, const ct_state *whole, const ct_
     status = cut_effects(state, error);
   }
   status = ct_piece_agree(made, status, error);
+  if (status == CT_OK && state->workspace->constraints != NULL)
+    status = ct_layers_spread(made, state->workspace->constraints->solver, error);
   if (status == CT_OK) status = spread(made, whole, state, error);
   if (status == CT_OK) {
     *piece = state;

@@ -48,13 +48,18 @@ static double impedance(const ct_body *body)
   return body->material.density * c1;
 }
 
-/* Whether a body of a set moves freely where the set acts on it. */
+/* Whether a body of a set moves freely at each of its nodes where the set acts on it. */
 static int is_free(const ct_problem *problem, const ct_row_set *set, int32_t b)
 {
   const ct_body *body = &problem->bodies[b];
-  const int32_t i = nodes_below(set, body->first_node), n = set->nodes == NULL ? i : set->nodes[i];
-  const double *inverse = &problem->inverse_mass[3 * (size_t)n];
-  return !ct_problem_is_rigid(problem, b) && inverse[0] + inverse[1] + inverse[2] > 0.0;
+  if (ct_problem_is_rigid(problem, b)) return 0;
+  for (int32_t i = nodes_below(set, body->first_node), end = nodes_below(set, end_of(body));
+       i < end; i++) {
+    const size_t n = (size_t)(set->nodes == NULL ? i : set->nodes[i]);
+    const double *inverse = &problem->inverse_mass[3 * n];
+    if (inverse[0] + inverse[1] + inverse[2] == 0.0) return 0;
+  }
+  return 1;
 }
 
 /* Whether waves pass from body `b` into the other bodies of a set: these are about as heavy and
@@ -96,14 +101,39 @@ static int32_t find_pairs(const ct_problem *problem, const ct_row_set *sets, int
   return found;
 }
 
+/* Room for pairs of sets, and for what is told of each set in a step. */
+static void take(ct_solver *s, int32_t pairs)
+{
+  const size_t sets = (size_t)s->set_count;
+  s->layer_count = pairs;
+  if (pairs == 0) return;
+  s->layers = ct_pool_take(&s->pool, (size_t)pairs, sizeof *s->layers);
+  s->pressed = ct_pool_take(&s->pool, sets, sizeof *s->pressed);
+  s->passes = ct_pool_take(&s->pool, sets, sizeof *s->passes);
+}
+
 void ct_layers_find(const ct_problem *problem, const ct_row_set *sets, int32_t count, ct_solver *s)
 {
   int32_t *beside = ct_pool_take(&s->pool, (size_t)count, sizeof *beside);
   if (beside == NULL) return;
-  s->layer_count = find_pairs(problem, sets, count, beside, NULL);
-  if (s->layer_count == 0) return;
-  s->layers = ct_pool_take(&s->pool, (size_t)s->layer_count, sizeof *s->layers);
-  s->pressed = ct_pool_take(&s->pool, (size_t)count, sizeof *s->pressed);
-  s->passes = ct_pool_take(&s->pool, (size_t)count, sizeof *s->passes);
-  if (!s->pool.failed) find_pairs(problem, sets, count, beside, s->layers);
+  take(s, find_pairs(problem, sets, count, beside, NULL));
+  if (s->layer_count > 0 && !s->pool.failed) find_pairs(problem, sets, count, beside, s->layers);
+}
+
+ct_status ct_layers_spread(const ct_piece *piece, ct_solver *s, ct_error *error)
+{
+  const int first = piece->def.number == 0;
+  double count = first ? (double)s->layer_count : 0.0;
+  ct_status status = ct_piece_collect(piece, &count, 1, error);
+  if (status != CT_OK) return status;
+  if (!first) take(s, (int32_t)count);
+  status = ct_piece_agree(
+      piece, s->pool.failed ? CT_NO_MEMORY(error, "layers between contacts") : CT_OK, error);
+  for (int32_t i = 0; status == CT_OK && i < s->layer_count; i++) {
+    double pair[2] = {0.0, 0.0};
+    for (int k = 0; first && k < 2; k++) pair[k] = (double)s->layers[i][k];
+    status = ct_piece_collect(piece, pair, 2, error);
+    for (int k = 0; k < 2; k++) s->layers[i][k] = (int32_t)pair[k];
+  }
+  return status;
 }

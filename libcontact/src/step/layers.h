@@ -4,10 +4,15 @@
 #include <libcontact/problem.h>
 
 #include "../constraint/solve.h"
+#include "piece.h"
 
 /* Find the pairs of sets between which a body is one layer of elements that passes waves on
  * (eq:release-passed); from the solver's pool, which may fail. */
 void ct_layers_find(const ct_problem *problem, const ct_row_set *sets, int32_t count,
                     ct_solver *solver);
+
+/* Give the pairs of the whole problem, which the first piece has, to all pieces: a part of a body
+ * may be one layer, or free, where the whole body is not. */
+ct_status ct_layers_spread(const ct_piece *piece, ct_solver *solver, ct_error *error);
 
 #endif
