@@ -1,6 +1,6 @@
 /* The laws that compute the force of a point from its gaps. Each law has a block of functions and a
  * row in LAWS; nothing else in this file depends on the law. */
-#include "law.h"
+#include "law_rows.h"
 
 #include "../base/error.h"
 #include "../base/lanes.h"
@@ -17,33 +17,13 @@ CT_INLINE double below(double g) { return g < 0.0 ? g : 0.0; }
 /* ½ k ⟨-g⟩². */
 CT_INLINE double ramp_energy(double k, double g) { return 0.5 * k * below(g) * below(g); }
 
-/* One of many rows, as far as its law reads it. Loops over rows compute it side by side with
- * others, so what they call has no branches. */
-CT_INLINE ct_constraint row_of(const ct_law_rows *of, int64_t r)
-{
-  return (ct_constraint){.stiffness = of->stiffness[r],
-                         .dissipation = of->dissipation[r],
-                         .restitution = of->restitution[r],
-                         .travel_time = of->travel_time[r],
-                         .gap = of->gap[r],
-                         .dashpot = of->dashpot[r],
-                         .before = of->before[r],
-                         .after = of->after[r],
-                         .force = of->force[r],
-                         .impact = {.reserve = of->reserve[r],
-                                    .pressed = of->pressed[r],
-                                    .idle = of->idle[r],
-                                    .stored = of->stored[r],
-                                    .release = of->release[r]}};
-}
-
 /* Compliances and offsets of rows with one law, which the caller inlines. */
 CT_INLINE void fill_ramps(ct_ramp (*ramp)(const ct_constraint *c), const ct_law_rows *of,
                           int64_t first, int64_t end, double *C, double *b)
 {
 #pragma omp simd
   for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
+    const ct_constraint c = ct_law_row(of, r);
     const ct_ramp one = ramp(&c);
     C[r] = one.C;
     b[r] = one.b;
@@ -195,19 +175,6 @@ int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
 
 ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
 
-/* Travel times after which a contact counts as lasting: those of an impact of twenty layers
- * (eq:impact-reserve). */
-static const double LASTING = 40.0;
-
-/* Whether the point closed less than so many travel times ago. */
-CT_INLINE int is_younger(const ct_constraint *c, double times)
-{
-  return (c->restitution > 0.0) & (c->impact.pressed < times * c->travel_time);
-}
-
-/* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
-CT_INLINE int is_fresh(const ct_constraint *c) { return is_younger(c, 1.5); }
-
 CT_INLINE double damping(double zeta, double stiffness, double mobility)
 {
   // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
@@ -226,7 +193,7 @@ void ct_law_dampings(int64_t count, const double *zeta, const double *stiffness,
 CT_INLINE double dashpot(const ct_constraint *c, double mobility)
 {
   // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
-  const double zeta = ct_larger(c->dissipation, is_fresh(c) ? 0.5 : 0.0);
+  const double zeta = ct_larger(c->dissipation, ct_law_is_fresh(c) ? 0.5 : 0.0);
   return damping(zeta, c->stiffness, mobility);
 }
 
@@ -237,7 +204,7 @@ static void find_dashpots(const ct_law_rows *of, const double *bound, double fra
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
-    const ct_constraint c = row_of(of, r);
+    const ct_constraint c = ct_law_row(of, r);
     of->dashpot[r] = dashpot(&c, bound[r] / fraction);
   }
 }
@@ -260,98 +227,6 @@ void ct_law_fix(const ct_law_rows *of, const double *bound, double fraction, dou
 
 /* Stored impact (eq:impact-reserve). */
 
-CT_INLINE int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c->travel_time; }
-
-/* Whether a contact shorter than τ has ended: its point does not oscillate with its node any more
- * (eq:release-time). */
-CT_INLINE int is_over(const ct_constraint *c)
-{
-  const double T = c->travel_time;
-  return (c->impact.idle >= T) & (c->impact.pressed + c->impact.idle >= 1.5 * T);
-}
-
-CT_INLINE int may_release(const ct_constraint *c)
-{
-  const double K = c->impact.reserve; // may be rounding below zero, or too small to square
-  return (K > 0.0) & (K * K > 0.0) & ((is_fresh(c) == 0) | is_over(c)) & is_recent(c);
-}
-
-int ct_law_may_release(const ct_constraint *c) { return may_release(c); }
-
-/* Parts of the last force below which a point opens. */
-static const double PARTS[CT_OPENINGS] = {
-    [CT_OPENS_ALONE] = 1.0 / 3.0, [CT_OPENS_TOGETHER] = 0.7, [CT_OPENS_PASSED] = 1.2};
-
-/* Whether a wave that crosses a layer and comes back reaches a point in this step or the next. */
-CT_INLINE int is_met(const ct_constraint *c, double dt)
-{
-  // -- -½ <= (t_c - 2 h / c₁) / Δt < 3/2, where a tie is not left to rounding (eq:release-passed)
-  const double late = c->impact.pressed - 2.0 * c->travel_time + 1e-6 * dt;
-  return (c->impact.idle == 0.0) & (late >= -0.5 * dt) & (late < 1.5 * dt);
-}
-
-/* The part of the last force below which a point opens so in this step. */
-CT_INLINE double part_of(const ct_constraint *c, double dt, ct_opening how)
-{
-  if (how == CT_OPENS_PASSED) return is_met(c, dt) ? PARTS[how] : 0.0;
-  return is_younger(c, LASTING) ? PARTS[how] : PARTS[CT_OPENS_ALONE];
-}
-
-/* Whether the spring of a point can stop its node while a wave crosses the element. */
-CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
-{
-  const double T = c->travel_time / dt;
-  // -- k W (T / Δt)² > 1/100 (eq:release-time)
-  return 100.0 * c->stiffness * bound * T * T > 1.0;
-}
-
-CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force,
-                       ct_opening how)
-{
-  const double last = c->force - c->impact.release, x = c->after - c->before,
-               part = part_of(c, dt, how);
-  // -- The step that is nearest to the zero of the extrapolated force, or in which the contact
-  // falls; a point that comes nearer holds more than its motion has (eq:release-time)
-  return may_release(c) & (force <= part * last) & is_stiff(c, bound, dt) &
-         ((x >= 0.0) | (8.0 * c->impact.reserve * bound > x * x));
-}
-
-int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, ct_opening how)
-{
-  return releases(c, bound, dt, force, how);
-}
-
-/* `how` is a constant in each call, so each loop has only its own conditions. */
-CT_INLINE void find_releases(const ct_law_rows *of, const double *bound, double dt,
-                             const double *force, ct_opening how, double *opens)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < of->count; r++) {
-    const ct_constraint c = row_of(of, r);
-    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], how) ? 1.0 : 0.0;
-  }
-}
-
-CT_CLONES
-void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
-                          const double *force, ct_opening how, double *opens)
-{
-  if (how == CT_OPENS_ALONE) find_releases(of, bound, dt, force, CT_OPENS_ALONE, opens);
-  else if (how == CT_OPENS_TOGETHER) find_releases(of, bound, dt, force, CT_OPENS_TOGETHER, opens);
-  else find_releases(of, bound, dt, force, CT_OPENS_PASSED, opens);
-}
-
-ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)
-{
-  const double K = c->impact.reserve, x = free - c->before, root = sqrt(x * x + 8.0 * K * bound);
-  // -- λ* x* / 2 = K with x* = x_free + D λ*, without cancellation (eq:release-ramp)
-  const double lambda = x < 0.0 ? (root - x) / (2.0 * bound) : 4.0 * K / (root + x),
-               opening = 2.0 * K / lambda;
-  *force = lambda;
-  // -- ⟨2 λ* - (λ* / x*) (g_{n+1} - g_{n-1})⟩, a tangent of the hyperbola (eq:release-ramp)
-  return (ct_ramp){.C = opening / lambda, .b = -(c->before + 2.0 * opening)};
-}
-
 /* The time from closing to the last step with a force, and that since then. A point without a force
  * that `enters` without its neighbours' forces stays closed: they hold its nodes (eq:release-time).
  */
@@ -359,7 +234,8 @@ CT_INLINE void count_time(ct_constraint *c, int pressed, int enters, double dt)
 {
   const double t = c->impact.pressed, idle = c->impact.idle, wait = idle + dt;
   // A fresh point is paid a while after its neighbours have left, too.
-  const int holds = (pressed == 0) & enters & is_fresh(c), goes = pressed | (enters & (t > 0.0)),
+  const int holds = (pressed == 0) & enters & ct_law_is_fresh(c),
+            goes = pressed | (enters & (t > 0.0)),
             waits = (t > 0.0) & (wait <= 2.0 * c->travel_time);
   c->impact.pressed = holds ? t : goes ? t + (dt + idle) : waits ? t : 0.0;
   c->impact.idle = (holds | goes | (waits == 0)) ? 0.0 : wait;
@@ -384,7 +260,7 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
 {
   const double release = c->impact.release, own = c->force - release;
   // -- The loss of the dashpot while contact lasts stays lost (eq:impact-reserve)
-  const int lasts = (own > 0.0) & (c->before < 0.0) & (is_younger(c, LASTING) == 0);
+  const int lasts = (own > 0.0) & (c->before < 0.0) & (ct_law_is_younger(c, CT_LASTING) == 0);
   const double closed = c->after - c->before,
                dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
   const double size = fabs(c->impact.reserve) + c->impact.stored + stored + fabs(0.5 * own * x);
@@ -419,7 +295,7 @@ static void settle_rows(const ct_law_rows *of, double dt, const double *x, const
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
-    ct_constraint c = row_of(of, r);
+    ct_constraint c = ct_law_row(of, r);
     // -- λ_u > 0 (eq:release-time)
     settle(&c, dt, x[r], alone[r] < 0.0, of->next[r]);
     of->reserve[r] = c.impact.reserve;
@@ -490,17 +366,6 @@ double ct_law_paid(double K, double held, double debt)
 {
   // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
   return K * (1.0 - fmin(held, debt) / (K > 0.0 ? held : debt));
-}
-
-CT_CLONES
-void ct_law_find_falls(const ct_law_rows *of, ct_opening how, const double *alone,
-                       const double *last, double *restrict falls)
-{
-  const double part = PARTS[how];
-#pragma omp simd
-  for (int64_t r = 0; r < of->count; r++)
-    // -- ⟨λ_u⟩ - 0.7 λ_{n-1} (eq:release-together), or 1.2 (eq:release-passed)
-    falls[r] = ct_larger(alone[r], 0.0) - part * last[r];
 }
 
 CT_CLONES
