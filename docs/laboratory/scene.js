@@ -134,8 +134,11 @@ function addSupport(library, scene, given) {
 function endOf(scene) {
   if (scene.time.end !== undefined) return scene.time.end;
   const over = scene.time.end_c1t_over;
-  const used = scene.material.filter((each) => scene.body.some((body) => body.material === each.name));
-  return (over.length * over.value) / Math.max(...used.map(speedOf));
+  return (over.length * over.value) / Math.max(...usedMaterials(scene).map(speedOf));
+}
+
+function usedMaterials(scene) {
+  return scene.material.filter((each) => scene.body.some((body) => body.material === each.name));
 }
 
 // The speed c1 of the dilatational wave, in the order of the library's roundings.
@@ -174,7 +177,7 @@ function buildScene(library, scene) {
     library.check(call.add_damping(scene.damping.rate, on.length));
   }
   const how = ["courant", "fraction", "dt"].findIndex((name) => time[name] !== undefined);
-  const usual = scene.material.some((each) => (each.law ?? "linear") !== "linear") ? 0.7 : 0.9;
+  const usual = usedMaterials(scene).some((each) => (each.law ?? "linear") !== "linear") ? 0.7 : 0.9;
   const value = how < 0 ? usual : time[["courant", "fraction", "dt"][how]];
   library.check(call.start(endOf(scene), how < 0 ? 1 : how, value, scheme, parameter));
 }

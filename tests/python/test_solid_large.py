@@ -186,6 +186,13 @@ def test_the_usual_step_is_below_four_steps_a_period(law, time, asked):
     assert facts["fraction"] <= facts["asked"].get("fraction", 1.0) * (1 + 1e-12)
 
 
+def test_a_material_that_no_body_has_leaves_the_usual_step():
+    data = small(spin=None)
+    data["material"].append({**data["material"][0], "name": "unused", "law": "neo_hookean"})
+    data["material"][0]["law"], data["time"] = "linear", {"end": 1e-3}
+    assert ct.Scene(data).explain().data["time"]["asked"] == {"fraction": 0.9}
+
+
 # One neo-Hookean element whose far face moves along x: one degree of freedom of mass M, a force and a stiffness.
 MU, LAMBDA, M = 2.0 / 2.6, 2.0 * 0.3 / (1.3 * 0.4), 0.75
 OMEGA = math.sqrt((2 * MU + LAMBDA) / M)

@@ -1026,8 +1026,8 @@ class Time(Table):
         shortest edge.
     fraction
         :math:`\Delta t` divided by the stable step that the library computes, including contact
-        (:eq:`step-bound`). The default is 0.7 where a material has a law for large strain, because
-        short waves of four steps a period would gain energy there (:eq:`step-resonance`).
+        (:eq:`step-bound`). The default is 0.7 where an elastic body has a law for large strain,
+        because short waves of four steps a period would gain energy there (:eq:`step-resonance`).
     dt
         :math:`\Delta t` itself.
     integrator

@@ -187,11 +187,13 @@ LARGE_FRACTION = 0.7
 
 def _usual_time(parts: Parts, data: dict[str, Any]) -> Parts:
     """The parts, by default with tighter forces where dynamic relaxation looks for a state of rest, and with a smaller
-    step where a material has a law for large strain."""
+    step where an elastic body has a law for large strain."""
     usual = dict[str, float]()
     if parts.time is not None and parts.relaxed and "force_tolerance" not in data["time"]:
         usual["force_tolerance"] = RELAXED_TOLERANCE
-    is_large = any(material.law != "linear" for material in parts.material)
+    elastic = [body for body in parts.body if body.name not in parts.rigid_names]
+    used = {name for body in elastic for name in body.material_names}
+    is_large = any(material.law != "linear" for material in parts.material if material.name in used)
     if parts.time is not None and is_large and not data["time"].keys() & {*Time.rivals[0]}:
         usual["fraction"] = LARGE_FRACTION
     return replace(parts, time=replace(parts.time, **usual)) if usual else parts
