@@ -51,18 +51,18 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
   int64_t points = ct_contact_point_count(c[0]);
   ct_contact_point *p[2] = {room(points, sizeof **p), room(points, sizeof **p)};
   int same = 0, skipped = 0, touching = 0;
+  double *low = c[1]->gaps.side[0].search->boxes[0].low;
   for (int step = 0; step <= steps; step++) {
     double omega[2] = {0.0, 0.0};
     move(a, b, step / (double)steps, x);
-    c[1]->gaps.side[0].points[0].row.gap = 42.0; // stands only when nobody has searched
-    c[0]->gaps.clear = 0.0;                      // the first contact searches in every call
+    *low = 42.0;            // stands only when nobody has searched
+    c[0]->gaps.clear = 0.0; // the first contact searches in every call
     for (int k = 0; k < 2; k++) {
       c[k]->gaps.side[0].points[1].other = 0; // as an older state may say
       memset(f[k], 0, 24 * (size_t)nodes);
       memset(p[k], 0, (size_t)points * sizeof **p);
       must(ct_contact_update, c[k], x, x);
-      if (k == 1 && c[1]->gaps.side[0].points[0].row.gap == 42.0)
-        c[1]->gaps.side[0].points[0].row.gap = NAN, skipped++;
+      skipped += k == 1 && *low == 42.0;
       ct_contact_add_force(c[k], f[k], f[k], NULL);
       ct_contact_points(c[k], p[k], NULL);
       if (step % 7 == 0) springs_of(c[k], mass, mass, &omega[k]);
