@@ -250,7 +250,8 @@ static void find_passing(ct_solver *s)
   }
   ct_pieces_largest(s->pieces, s->pressed, s->set_count);
   for (int32_t i = 0; i < s->layer_count; i++)
-    s->passes[s->layers[i][0]] |= s->pressed[s->layers[i][1]] > 0.0;
+    for (int one = 0; one < 2; one++)
+      s->passes[s->layers[i][one]] |= s->pressed[s->layers[i][1 - one]] > 0.0;
 }
 
 /* Clear `opens` in the sets whose forces do not fall together (eq:release-together), or that pass
@@ -267,22 +268,28 @@ static void keep_falling(ct_solver *s, ct_opening how, const double *alone, doub
   }
 }
 
-/* The points that open in a way, with that of `opens`. */
-static void add_openings(ct_solver *s, ct_opening how, const double *alone, int all, double *opens)
+/* The points that open in a way; in `all` sets, or where the forces of a set allow it. */
+static void open_so(ct_solver *s, ct_opening how, const double *alone, int all, double *opens)
+{
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, opens);
+  if (!all && how != CT_OPENS_ALONE) keep_falling(s, how, alone, opens);
+}
+
+/* The same, with those that open otherwise. */
+static void open_more(ct_solver *s, ct_opening how, const double *alone, int all, double *opens)
 {
   double *more = s->guide;
-  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, more);
-  if (!all && how != CT_OPENS_ALONE) keep_falling(s, how, alone, more);
+  open_so(s, how, alone, all, more);
   for (int64_t r = 0; r < s->count; r++) opens[r] = ct_larger(opens[r], more[r]);
 }
 
-/* The points that may open; in `all` sets, or where the forces of a set allow it. */
+/* The points that open in any way. */
 static void find_openings(ct_solver *s, const double *alone, int all, double *opens)
 {
-  ct_clear(opens, (size_t)s->count);
-  add_openings(s, CT_OPENS_TOGETHER, alone, all, opens);
-  if (s->layer_count > 0) add_openings(s, CT_OPENS_PASSED, alone, all, opens);
-  if (!all) add_openings(s, CT_OPENS_ALONE, alone, all, opens);
+  open_so(s, CT_OPENS_TOGETHER, alone, all, opens);
+  if (s->layer_count > 0) open_more(s, CT_OPENS_PASSED, alone, all, opens);
+  // Alone a point opens later than together: where all sets may, it adds none.
+  if (!all) open_more(s, CT_OPENS_ALONE, alone, all, opens);
 }
 
 /* Σ ⟨sign K⟩ over some rows. */

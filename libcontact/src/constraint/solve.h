@@ -122,8 +122,8 @@ typedef struct ct_solver {
   double *after;                  /* next gaps with the present forces */
   double tolerance;           /* largest change of a force by a further step, as a fraction of the
                                  largest force; see CT_SOLVER_USUAL */
-  int32_t layer_count;        /* pairs of sets with one layer of elements between them: */
-  int32_t (*layers)[2];       /* a set, and the one to which the layer passes its waves; in pairs */
+  int32_t layer_count;        /* pairs of sets with one layer of elements between them, ... */
+  int32_t (*layers)[2];       /* ... which passes the waves of each to the other */
   double *pressed;            /* of each set: its largest force of the last step */
   uint8_t *passes;            /* of each set: whether the set behind a layer was pressed */
   struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */

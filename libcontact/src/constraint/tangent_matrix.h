@@ -63,7 +63,4 @@ int ct_tangent_apply(ct_solver *solver);
  * Returns 0 if it is not finite. */
 int ct_tangent_bound(ct_solver *solver);
 
-/* Add to some components of the sums at nodes those of the other pieces. */
-void ct_tangent_join(ct_solver *solver, int first, int some);
-
 #endif

@@ -140,8 +140,8 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
   double share = left(rule, now->time), last_share = left(rule, now->first ? now->time : last),
          next_share = left(rule, now->time + now->dt);
   for (ct_side *side = sides; side < sides + count; side++) {
-    const double nothing = ct_side_unsure(side);
     if (!side->shifted) continue;
+    const double nothing = ct_side_unsure(side);
     side->shifted = 0;
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {

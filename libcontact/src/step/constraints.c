@@ -101,8 +101,10 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
       w->pool.failed =
           ct_solver_create(sets, count, problem->node_count, number, &c->solver) != CT_OK;
       find_places(problem, number, c, &w->pool);
-      if (!w->pool.failed) ct_layers_find(problem, sets, count, c->solver);
-      w->pool.failed |= c->solver == NULL || c->solver->pool.failed;
+      if (!w->pool.failed) {
+        ct_layers_find(problem, sets, count, c->solver);
+        w->pool.failed = c->solver->pool.failed;
+      }
       if (!w->pool.failed) find_bodies(problem, c, &w->pool);
     }
   }

@@ -1,22 +1,16 @@
 /* Layers of elements between two contacts: bodies of which each node is in one of them. */
 #include "layers.h"
 
+#include "../base/list.h"
 #include "../base/memory.h"
 #include "effect_internal.h"
 
 #include <math.h>
 
-/* Number of a set's nodes below one of the problem; they are ascending. */
+/* Number of a set's nodes below one of the problem. */
 static int32_t nodes_below(const ct_row_set *set, int32_t node)
 {
-  int32_t low = 0, high = set->node_count;
-  if (set->nodes == NULL) return node;
-  while (low < high) {
-    const int32_t middle = low + (high - low) / 2;
-    if (set->nodes[middle] < node) low = middle + 1;
-    else high = middle;
-  }
-  return low;
+  return set->nodes == NULL ? node : ct_lower_bound(set->nodes, set->node_count, node);
 }
 
 /* The end of a body's nodes. */
@@ -88,11 +82,10 @@ static int32_t find_pairs(const ct_problem *problem, const ct_row_set *sets, int
     int32_t own = 0;
     for (int32_t k = 0; k < count; k++)
       if (sets[k].most > 0 && nodes_in(&sets[k], body) > 0) beside[own++] = k;
-    for (int32_t i = 0; i < own; i++)
-      for (int32_t j = 0; j < own; j++) {
+    for (int32_t i = 0; i < own && !ct_problem_is_rigid(problem, b); i++)
+      for (int32_t j = 0; j < i; j++) {
         const ct_row_set *one = &sets[beside[i]], *two = &sets[beside[j]];
-        if (i == j || !is_between(body, one, two) || ct_problem_is_rigid(problem, b) ||
-            !passes(problem, one, b) || !passes(problem, two, b))
+        if (!is_between(body, one, two) || !passes(problem, one, b) || !passes(problem, two, b))
           continue;
         if (pairs != NULL) pairs[found][0] = beside[i], pairs[found][1] = beside[j];
         found++;
