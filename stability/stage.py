@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapes
 from lab import scene
+from libcontact.parts import LARGE_FRACTION
 
 import libcontact as ct
 
@@ -117,7 +118,7 @@ class Stage:
     def fraction(self) -> float:
         """The fraction of the stable step, by default that of the library."""
         is_large = any(part.stuff.law != "linear" for part in self.parts.values())
-        return float(self.time.get("fraction", 0.7 if is_large else 0.9))
+        return float(self.time.get("fraction", LARGE_FRACTION if is_large else 0.9))
 
     @property
     def layer(self) -> float:

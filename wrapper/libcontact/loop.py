@@ -502,7 +502,8 @@ class Loop:
         """Warn of spurious energy growth, :eq:`energy-growth`: of the first, and at the end of the largest if that
         is more than twice as large."""
         growth = lib.ct_monitor_growth(self.monitor)
-        if not growth.largest > (2.0 * self.grown if at_end or not self.grown else math.inf):
+        due = at_end or not self.grown
+        if not (due and growth.largest > 2.0 * self.grown):
             return
         who, key, advice = self._grower(growth)
         ratio = growth.largest if self.grown else growth.ratio
