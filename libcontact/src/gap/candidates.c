@@ -166,9 +166,9 @@ static int reaches_deepest(const ct_side *side, double near)
   const int points = side->fixed->rule.count;
   for (ct_span run = {0}; ct_side_next_faces(side, &run);)
     for (int64_t f = run.first; f < run.end; f++) {
-      const double listed = side->listed[f];
+      const double deepest = near - side->listed[f];
       for (const ct_point *p = &side->points[f * points], *end = p + points; p < end; p++)
-        if (near - p->known > listed && p->status == CT_POINT_INSIDE) return 0;
+        if (p->known < deepest && p->status == CT_POINT_INSIDE) return 0;
     }
   return 1;
 }

@@ -115,14 +115,15 @@ void ct_side_fill(ct_side *side, const ct_constraint *law)
 ct_status ct_side_equip(ct_side *side)
 {
   size_t faces = (size_t)side->search->face_count, nodes = (size_t)side->search->node_count;
+  const size_t lanes = (size_t)side->fixed->point_count + 7; // eight are read at a time
   side->candidate_capacity = side->search->face_count;
   side->listed = ct_allocate(faces, sizeof *side->listed);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
   side->near_end = ct_allocate(faces, sizeof *side->near_end);
-  side->met = ct_allocate((size_t)side->fixed->point_count, sizeof *side->met);
-  side->distant = ct_allocate((size_t)side->fixed->point_count, sizeof *side->distant);
+  side->met = ct_allocate(lanes, sizeof *side->met);
+  side->distant = ct_allocate(lanes, sizeof *side->distant);
   int whole = side->listed && side->candidate_first && side->candidates && side->near_end &&
               side->met && side->distant && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;

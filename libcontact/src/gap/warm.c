@@ -349,31 +349,15 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
   return ct_bounds_grown(&box, g->most);
 }
 
-/* Whether some lanes met a face when the faces were listed, and all others were beyond a distance.
- */
-CT_INLINE int met_alone(const ct_side *side, int64_t number, int count, int32_t face, double reach)
+/* Whether no face but its target can be within the reach of a group: all of its lanes met it when
+ * the faces were listed, and all others are still `beyond`. Lanes beyond `count` repeat others. */
+CT_INLINE int has_no_rival(const block *b, const lane_group *g, const int32_t *met,
+                           const double *beyond)
 {
-  const int32_t *met = &side->met[number];
-  const double *distant = &side->distant[number];
-  double least = distant[0];
-  int32_t others = met[0] ^ face;
-  for (int l = 1; l < count; l++) {
-    least = distant[l] < least ? distant[l] : least;
-    others |= met[l] ^ face;
-  }
-  return others == 0 && reach < least;
-}
-
-/* Whether no face but its target can be within the reach of a group, by the distances and the
- * motion since the faces were listed (eq:rival-distance). Lanes beyond `count` repeat others. */
-CT_INLINE int has_no_rival(const ct_pass *p, const block *b, const lane_group *g)
-{
-  const double reach = ct_pass_reached(p, g->most);
-  const int end = g->end < b->count ? g->end : b->count, count = end - g->first;
-  const int64_t number = b->number + g->first;
-  const int32_t face = b->target[g->first];
-  return count == 4 ? met_alone(p->side, number, 4, face, reach)
-                    : met_alone(p->side, number, count, face, reach);
+  int alone = 1;
+  for (int l = g->first; l < g->end && l < b->count; l++)
+    alone &= (met[l] == b->target[l]) & (beyond[l] > 0.0);
+  return alone;
 }
 
 /* Mark the lanes of a group that are as near to a box as to their closest point. */
@@ -395,8 +379,11 @@ CT_INLINE void mark_rivals(const lane_group *g, const ct_bounds *box, const doub
  * With a margin for the rounding of positions, so some points are found unnecessarily. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
-  double at[3 * CT_WARM], most[CT_WARM];
-#pragma omp simd
+  const int32_t *met = &p->side->met[b->number];
+  const double *distant = &p->side->distant[b->number];
+  double at[3 * CT_WARM], most[CT_WARM], beyond[CT_WARM], least = HUGE_VAL;
+  int32_t others = 0;
+#pragma omp simd reduction(min : least) reduction(| : others)
   for (int l = 0; l < CT_WARM; l++) {
     double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l],
            z = b->points[16 + l] + b->origin[16 + l];
@@ -405,11 +392,16 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
     most[l] = 4.0 * (reach * reach);
     b->rival[l] = 0;
     at[l] = x, at[8 + l] = y, at[16 + l] = z;
+    // -- What is left of the distance of all other faces when they were listed (eq:rival-distance)
+    beyond[l] = distant[l] - ct_pass_reached(p, reach);
+    least = beyond[l] < least ? beyond[l] : least;
+    others |= met[l] ^ b->target[l];
   }
+  if (others == 0 && least > 0.0) return;
   for (lane_group g = {0}; g.end < CT_WARM;) {
     g = group_from(b, g.end, most);
-    const int32_t face = b->face[g.first], met = b->target[g.first];
-    if (has_no_rival(p, b, &g)) continue;
+    const int32_t face = b->face[g.first];
+    if (has_no_rival(b, &g, met, beyond)) continue;
     const ct_bounds reach = reach_box(&g, at);
     // A face within a quarter of the skin was within the skin when the lists were made (eq:skin).
     const int32_t end =
@@ -418,7 +410,7 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
       const int32_t rival = p->side->candidates[i];
       const ct_bounds *box = &p->other->search->boxes[rival];
       // Most candidates are beyond the reach of the whole group.
-      if (rival == met || ct_bounds_apart(box, &reach)) continue;
+      if (rival == b->target[g.first] || ct_bounds_apart(box, &reach)) continue;
       mark_rivals(&g, box, at, most, b->rival);
     }
   }
