@@ -334,7 +334,7 @@ static void rows_together(void)
     t.alone[r] = uniform(1.0), t.after[r] = uniform(1.0), t.x[r] = uniform(1.0);
   }
   ct_law_rows_create(&pool, MANY, place, &rows);
-  ct_law_rows_read(&rows, t.place, 0, MANY);
+  ct_law_rows_read(&rows, t.place, 0, MANY, 0);
   for (int r = 0; r < MANY; r++) rows.before[r] = t.row[r].before, rows.after[r] = t.after[r];
   ct_law_fix(&rows, t.bound, 0.5, t.C, t.b);
   ct_law_find_releases(&rows, t.bound, dt, t.alone, 0, t.opens);

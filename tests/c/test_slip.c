@@ -149,8 +149,6 @@ static void new_linear(linear *t, double spread, double decades, double fraction
   }
   open_solver(t);
   // -- Stiffnesses relative to the inertia of the points
-  ct_matrix_fill(t->s);
-  for (int j = 0; j < t->rows; j++) t->row[j].stiffness = 1.0, t->row[j].gap = t->row[j].gap;
   const double stiff = pow(10.0, 1.5 + 1.5 * uniform(1.0));
   for (int j = 0; j < t->rows; j++) {
     double own = 0.0;

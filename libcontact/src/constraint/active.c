@@ -22,42 +22,39 @@ static void forget(ct_solver *s)
   }
 }
 
-/* Gaps at t_{n-1} and t_{n+1}, given the motions of the nodes along the rows. */
+/* Gaps at t_{n-1} and t_{n+1}, given the motions of the nodes along the rows. Returns the largest
+ * motion or depth (eq:near-constraints); `distance` becomes that of the row farthest away, now or
+ * at t_{n+1}. */
 CT_CLONES
-static void move_gaps(const ct_law_rows *of, const double *last, const double *next)
+static double move_gaps(const ct_law_rows *rows, const double *last, const double *next,
+                        double *distance)
 {
-#pragma omp simd
-  for (int64_t j = 0; j < of->count; j++) {
-    of->before[j] = of->gap[j] - (last[j] + of->came[j]);
-    of->after[j] = of->gap[j] + (next[j] + of->moved[j]);
-  }
-}
-
-/* The largest motion or depth (eq:near-constraints). */
-CT_CLONES
-static double farthest(int64_t count, const double *gap, const double *after)
-{
-  double most = 0.0;
-#pragma omp simd reduction(max : most)
-  for (int64_t j = 0; j < count; j++) {
-    const double motion = fabs(after[j] - gap[j]), depth = -gap[j],
-                 far = motion > depth ? motion : depth;
+  const ct_law_rows of = *rows; // whose arrays are not read again after each number
+  double most = 0.0, away = -DBL_MAX;
+#pragma omp simd reduction(max : most, away)
+  for (int64_t j = 0; j < of.count; j++) {
+    const double gap = of.gap[j], after = gap + (next[j] + of.moved[j]), motion = fabs(after - gap),
+                 depth = -gap, far = motion > depth ? motion : depth,
+                 least = after < gap ? after : gap;
+    of.before[j] = gap - (last[j] + of.came[j]);
+    of.after[j] = after;
     most = far > most ? far : most;
+    away = least > away ? least : away;
   }
+  *distance = away;
   return most;
 }
 
-/* Gaps of all listed rows at t_{n-1} and t_{n+1} without the constraints; returns the largest
- * motion or depth. */
-static double predict_gaps(ct_solver *s)
+/* Gaps of all listed rows at t_{n-1} and t_{n+1} without the constraints; returns as move_gaps. */
+static double predict_gaps(ct_solver *s, double *distance)
 {
   ct_law_rows *of = &s->laws;
   const int64_t count = s->first[s->set_count];
   ct_matrix_motion(s, count, s->last_increment, s->terms);
   ct_matrix_motion(s, count, s->increment, s->free);
-  move_gaps(of, s->terms, s->free);
+  const double most = move_gaps(of, s->terms, s->free, distance);
   if (s->starts) memcpy(of->before, of->gap, (size_t)count * sizeof *of->gap);
-  return farthest(count, of->gap, of->after);
+  return most;
 }
 
 /* A row that takes no part in this step. */
@@ -86,19 +83,6 @@ static void begin_rows(const ct_law_rows *of, double *restrict force)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) force[r] = of->force[r] - of->release[r];
-}
-
-/* Whether no row is farther away than `near`, now or without the force of the step. */
-CT_CLONES
-static int are_near(int64_t count, const double *gap, const double *after, double near)
-{
-  double most = -DBL_MAX;
-#pragma omp simd reduction(max : most)
-  for (int64_t j = 0; j < count; j++) {
-    const double least = after[j] < gap[j] ? after[j] : gap[j];
-    most = least > most ? least : most;
-  }
-  return most <= near;
 }
 
 /* Whether all listed rows have a law; only friction lists others. */
@@ -141,13 +125,13 @@ static void drop_rows(ct_solver *s, double near)
 void ct_active_choose(ct_solver *s, int all)
 {
   ct_law_rows *of = &s->laws;
-  double most = predict_gaps(s);
+  double distance, most = predict_gaps(s, &distance);
   ct_pieces_largest(s->pieces, &most, 1);
   const double near = all ? HUGE_VAL : 2.0 * most;
   s->dropped_count = 0;
   memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
   s->every = s->groups;
-  if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
+  if (!have_laws(s) || !(distance <= near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
   begin_rows(of, s->force);
   ct_copy(s->free, of->after, (size_t)s->count * sizeof *s->free);
@@ -206,13 +190,12 @@ static int find_bound(ct_solver *s)
   const size_t rows = (size_t)s->count * sizeof *s->bound,
                nodes = (size_t)s->node_count * CT_SOLVER_WIDE * sizeof *s->mobility;
   if (s->kept == 2 && memcmp(s->mobility, s->bound_mobility, nodes) == 0) {
-    if (s->along) ct_matrix_project(s);
     ct_copy(s->scale, s->bound, rows);
     return 1;
   }
-  if (ct_matrix_stays(s)) memcpy(s->bound_mobility, s->mobility, nodes);
   set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
+  if (ct_matrix_stays(s)) memcpy(s->bound_mobility, s->mobility, nodes);
   ct_copy(s->bound, s->scale, rows);
   return 1;
 }

@@ -52,9 +52,10 @@ CT_INLINE columns columns_of(const ct_law_rows *rows, int64_t r, int count)
   return c;
 }
 
-CT_INLINE void read_four(const columns c)
+/* Read the groups from `g` on. */
+CT_INLINE void read_four(const columns c, int g)
 {
-  for (int g = 0; g < READ; g++) {
+  for (; g < READ; g++) {
     const double *from[4];
     double *to[4];
     for (int i = 0; i < 4; i++) {
@@ -65,35 +66,43 @@ CT_INLINE void read_four(const columns c)
   }
 }
 
-CT_INLINE void read_one(const columns c)
+CT_INLINE void read_one(const columns c, int g)
 {
-  for (int g = 0; g < READ; g++)
+  for (; g < READ; g++)
     for (int i = 0; i < 4; i++)
       c.first[((int64_t)READS[g][1] + i) * c.most] = c.row[0][READS[g][0] + (size_t)i];
 }
 
-/* Read some rows; returns 0 if all have the law of the first. */
-CT_CLONES
-static unsigned read_rows(const ct_law_rows *to, int64_t r, int64_t end)
+/* Read some rows, those with `known` laws from their gaps on; returns 0 if all have the law of the
+ * first. */
+CT_INLINE unsigned read_some(int known, const ct_law_rows *to, int64_t r, int64_t end)
 {
   const unsigned law = r < end ? (unsigned)to->row[0]->enforcement : 0;
   unsigned differing = 0;
   for (; r + 4 <= end; r += 4) {
-    for (int i = 0; i < 4; i++) differing |= (unsigned)to->row[r + i]->enforcement ^ law;
-    read_four(columns_of(to, r, 4));
+    for (int i = 0; !known && i < 4; i++) differing |= (unsigned)to->row[r + i]->enforcement ^ law;
+    read_four(columns_of(to, r, 4), known);
   }
   for (; r < end; r++) {
     differing |= (unsigned)to->row[r]->enforcement ^ law;
-    read_one(columns_of(to, r, 1));
+    read_one(columns_of(to, r, 1), known);
   }
   return differing;
 }
 
-void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end)
+CT_CLONES
+static unsigned read_rows(int known, const ct_law_rows *to, int64_t first, int64_t end)
 {
-  ct_copy(&to->row[first], &rows[first], (size_t)(end - first) * sizeof *rows);
+  return known ? read_some(1, to, first, end) : read_some(0, to, first, end);
+}
+
+void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end,
+                      int known)
+{
   to->count = end;
-  to->one_law = (first == 0 || to->one_law) & (read_rows(to, first, end) == 0);
+  if (!known) ct_copy(&to->row[first], &rows[first], (size_t)(end - first) * sizeof *rows);
+  const int alike = read_rows(known, to, first, end) == 0;
+  if (!known) to->one_law = (first == 0 || to->one_law) & alike;
 }
 
 void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to)

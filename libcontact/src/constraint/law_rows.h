@@ -11,8 +11,10 @@
 /* Memory for at most some rows, from a pool, which may fail; `rows` has a place for each. */
 void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_law_rows *out);
 
-/* Read the rows from `first` to `end` - 1, after those before. */
-void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end);
+/* Read the rows from `first` to `end` - 1, after those before; `known` if they are those read last,
+ * whose laws have not changed. */
+void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end,
+                      int known);
 
 /* Put a row in the place of an earlier one. */
 void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to);

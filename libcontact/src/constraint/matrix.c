@@ -131,7 +131,7 @@ CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group
 
 /* What differs between rows at obstacles and groups: anything, bits of normals, and of weights. */
 typedef struct difference {
-  int some;
+  uintptr_t some;
   quad_bits normal, weight;
 } difference;
 
@@ -139,11 +139,11 @@ typedef struct difference {
 CT_INLINE void compare(int32_t rows, const ct_group *g, ct_constraint *const *row, const double *G,
                        difference *d)
 {
-  d->some |= (g->own != 4) | (g->other != 0);
+  d->some |= (uintptr_t)((g->own ^ 4) | g->other);
   for (int32_t r = 0; r < rows; r++, G += 8) {
     const ct_constraint *c = row[r];
     const double *normal = (const double *)((const char *)c + offsetof(ct_constraint, normal));
-    d->some |= (c->own != g->nodes) | (c->other_count != 0);
+    d->some |= ((uintptr_t)c->own ^ (uintptr_t)g->nodes) | (uintptr_t)c->other_count;
     for (int i = 0; i < PARTS && i < 3; i++)
       d->normal |= ((const ct_quad *)normal)[i] != ((const ct_quad *)G)[i];
     for (int i = 0; i < PARTS; i++)
@@ -160,9 +160,17 @@ CT_INLINE int are_equal(const difference *d)
 
 int ct_matrix_stays(const ct_solver *s) { return s->kept && s->groups->other == 0; }
 
+/* Whether the listed rows are those of the last step. The laws of the library's own rows stay. */
+static int are_known(const ct_solver *s)
+{
+  const int64_t count = s->first[s->set_count];
+  return s->kept && count == s->laws.count &&
+         memcmp(s->rows, s->laws.row, (size_t)count * sizeof *s->rows) == 0;
+}
+
 /* Read the rows for their laws as long as they are those of the last step, all at obstacles.
  * Returns whether all are: then G need not be filled. */
-CT_INLINE int keep_rows(ct_solver *s)
+CT_INLINE int keep_rows(ct_solver *s, int known)
 {
   const ct_group *g = s->groups, *end = g + s->group_count;
   const size_t firsts = ((size_t)s->set_count + 1) * sizeof *s->first;
@@ -174,7 +182,7 @@ CT_INLINE int keep_rows(ct_solver *s)
       else compare(g->rows, g, &s->rows[r], &s->G[g->first], &d);
     }
     if (!are_equal(&d)) return 0;
-    ct_law_rows_read(&s->laws, s->rows, first, r);
+    ct_law_rows_read(&s->laws, s->rows, first, r, known);
   }
   return 1;
 }
@@ -204,7 +212,8 @@ CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
   const ct_solver of = *s; // whose members need not be read again after each number that is written
-  if (keep_rows(s)) {
+  const int known = are_known(s);
+  if (keep_rows(s, known)) {
     s->kept = 2;
     return;
   }
@@ -214,7 +223,7 @@ void ct_matrix_fill(ct_solver *s)
   for (int32_t k = 0; k < of.set_count; k++)
     for (int64_t r = of.first[k], end; r < of.first[k + 1]; r = end) {
       end = fill_rows(&of, k, r, &g, &d);
-      ct_law_rows_read(&s->laws, of.rows, r, end);
+      ct_law_rows_read(&s->laws, of.rows, r, end, known);
     }
   d.nodes |= s->group_count != g - s->groups;
   s->group_count = g - s->groups;

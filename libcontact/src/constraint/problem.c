@@ -15,12 +15,14 @@ ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct
 }
 
 /* Motion of one node, into the place of its first component; `last` is the duration of the last
- * one. Four components are computed side by side; the fourth, of the next node, is then cleared. */
+ * one. Four components are computed side by side; the fourth, of the next node, is then cleared.
+ * That of the mobility stays: it is the one along a normal, which is often the same. */
 CT_INLINE void predict_node(const ct_solver *s, const ct_prediction *p, double last, int components,
                             int64_t place, int64_t dof)
 {
   double *increment = &s->increment[place], *mobility = &s->mobility[place],
          *last_increment = &s->last_increment[place];
+  const double along = mobility[3];
 #pragma omp simd
   for (int c = 0; c < components; c++) {
     // -- Motion without the constraints, that of a unit force, and the last one
@@ -30,7 +32,8 @@ CT_INLINE void predict_node(const ct_solver *s, const ct_prediction *p, double l
     // -- at t = 0 the motion of a step with the first velocity (eq:reserve-start)
     last_increment[c] = last * p->velocity[dof + c];
   }
-  increment[3] = mobility[3] = last_increment[3] = 0.0;
+  increment[3] = last_increment[3] = 0.0;
+  mobility[3] = along;
 }
 
 /* Motion of all nodes. Behind the one with the largest number there may be no other. */

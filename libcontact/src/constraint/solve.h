@@ -14,7 +14,8 @@ typedef struct ct_row_set {
   const int32_t *nodes; /* ... in the problem; null: all */
   int32_t row_nodes;    /* largest number of nodes of a row, both faces together */
   int64_t slips;        /* most rows, of any set, to which this effect adds friction */
-  int foreign;          /* whether a host fills the rows, who may change lists of nodes in place */
+  int foreign;          /* whether a host fills the rows, who may change their laws, and lists of
+                           nodes in place */
 } ct_row_set;
 
 /* Vectors at nodes have a fourth component, so that they fill a register: 0, or the part along the

@@ -95,7 +95,7 @@ static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
     double u[3] = {0.0};
     if (carried) velocity_near(contact, &search->x[3 * (int64_t)i], u);
     for (int c = 0; c < 3; c++) u[c] = v[c] - u[c];
-    top = fmax(top, ct_vector_dot(u, u));
+    top = ct_larger(ct_vector_dot(u, u), top);
   }
   return search->size +
          2.0 * (now->dt * sqrt(top) + (carried ? 0.0 : sqrt(ct_vector_dot(coming, coming))));
