@@ -336,6 +336,8 @@ def unlike() -> Iterator[Case]:
     for n in (1, 2, 4):
         three = [Plate(n, velocity=1.0), Plate(n), Plate(n)]
         yield Case(f"cradle of {n}", stack(three, time=4 * n + 16), *LIMITS[n])
+    three = [Plate(1, 4, 1.0), Plate(1, 5), Plate(1, 4)]
+    yield Case("cradle of 1, 4:5:4", stack(three, time=20), *LIMITS[1])
     yield Case("cradle 2-1-2", stack([light, Plate(1), Plate(2)], time=30), *LIMITS[1])
 
 

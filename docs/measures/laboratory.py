@@ -42,5 +42,5 @@ def impacts() -> Numbers:
         "linear_lost": max(v for case, v in lost.items() if not any(n in case for n in large)),
         "fold_lost": lost["linear fold"],
         "cradle": max(rows[f"cradle of {n}"]["speed off"] for n in (2, 4)),
-        "thin_cradle": rows["cradle of 1"]["speed off"],
+        "thin_cradle": max(rows[f"cradle of 1{mesh}"]["speed off"] for mesh in ("", ", 4:5:4")),
     }

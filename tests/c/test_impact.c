@@ -71,7 +71,7 @@ static void bouncing_mass(double share, double k)
     c.gap = g, c.before = before, c.after = free;
     c.dashpot = ct_law_dashpot(&c, W);
     ct_ramp ramp[2] = {ct_law_ramp(&c)};
-    const int opens = ct_law_releases(&c, W, dt, -(free + ramp[0].b) / (ramp[0].C + W), 0);
+    const int opens = ct_law_releases(&c, W, dt, -(free + ramp[0].b) / (ramp[0].C + W), 0, 0.0);
     if (opens) ramp[1] = ct_law_release(&c, free, W, &start);
     solve_both(ramp, free, W, opens ? 2 : 1, force);
     c.force = force[0] + force[1], c.impact.release = force[1];
@@ -307,7 +307,8 @@ static int differing(const together *t, const ct_constraint *start, double dt, i
     c.dashpot = ct_law_dashpot(&c, t->bound[r] / 0.5);
     const ct_ramp ramp = ct_law_ramp(&c);
     c.after = t->after[r];
-    const int opens = t->bound[r] > 0.0 && ct_law_releases(&c, t->bound[r], dt, t->alone[r], 0);
+    const int opens =
+        t->bound[r] > 0.0 && ct_law_releases(&c, t->bound[r], dt, t->alone[r], 0, 0.0);
     const double loss = ct_law_loss(&c, c.force, t->after[r]);
     wrong += ramp.C != t->C[r] || ramp.b != t->b[r] || opens != (t->opens[r] != 0.0) ||
              loss != t->loss[r];
@@ -337,7 +338,7 @@ static void rows_together(void)
   ct_law_rows_read(&rows, t.place, 0, MANY, 0);
   for (int r = 0; r < MANY; r++) rows.before[r] = t.row[r].before, rows.after[r] = t.after[r];
   ct_law_fix(&rows, t.bound, 0.5, t.C, t.b);
-  ct_law_find_releases(&rows, t.bound, dt, t.alone, 0, t.opens);
+  ct_law_find_releases(&rows, t.bound, dt, t.alone, 0, NULL, t.opens);
   ct_law_losses(&rows, rows.force, t.after, t.loss);
   ct_law_settle_all(&rows, dt, t.x, t.alone, 0);
   ct_law_rows_write(&rows);

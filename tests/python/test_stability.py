@@ -104,14 +104,15 @@ def test_the_laboratory_sees_what_an_impact_loses():
         assert ("is lost" in row.verdict) == (lost > 0) and row.held < 1e-12
 
 
-@pytest.mark.parametrize("layers", [1, 2])
-def test_a_plate_passes_its_impact_on_to_a_third_one(layers):
+@pytest.mark.parametrize(("layers", "held"), [("1", 1e-12), ("1, 4:5:4", 1e-3), ("2", 1e-12)])
+def test_a_plate_passes_its_impact_on_to_a_third_one(layers, held):
     """A plate hits two that touch: what the first contact holds comes back while the force of the second one lasts,
     so the speeds are in the range of explicit penalties at a tiny step (:eq:`release-together`). A plate of one layer
-    in the middle is known as such, and opens in time (:eq:`release-passed`)."""
+    in the middle is known as such, and opens in time, also if edges along its faces are shorter
+    (:eq:`release-passed`)."""
     case = next(case for case in impacts.unlike() if case.name == f"cradle of {layers}")
     row = impacts.measured(replace(case, phases=(0.0, 0.3, 0.7)), 0.9, case.reference())
-    assert row["short"] == "" and row["held"] < 1e-12, row
+    assert row["short"] == "" and row["held"] < held, row
 
 
 def test_the_table_of_impacts_sees_what_is_short(monkeypatch):

@@ -222,31 +222,33 @@ static void find_alone(int64_t count, const double *free, const double *b, const
   for (int64_t r = 0; r < count; r++) alone[r] = -(free[r] + b[r]) / (C[r] + bound[r]);
 }
 
-/* Find the sets behind which a layer passes waves to another set that is pressed
- * (eq:release-passed). */
+/* Find the time t_b of each row, in `direction`: that of a layer which passes waves to another set
+ * that is pressed, or 0 (eq:release-passed). */
 static void find_passing(ct_solver *s)
 {
   for (int32_t k = 0; k < s->set_count; k++) {
     const int64_t first = s->first_point[k];
     s->pressed[k] = ct_largest(&s->force[first], s->first_point[k + 1] - first);
-    s->passes[k] = 0;
+    s->back[k] = 0.0;
   }
   ct_pieces_largest(s->pieces, s->pressed, s->set_count);
-  for (int32_t i = 0; i < s->layer_count; i++)
+  for (const ct_layer *layer = s->layers; layer < s->layers + s->layer_count; layer++)
     for (int one = 0; one < 2; one++)
-      s->passes[s->layers[i][one]] |= s->pressed[s->layers[i][1 - one]] > 0.0;
+      if (s->pressed[layer->sets[1 - one]] > 0.0)
+        s->back[layer->sets[one]] = ct_larger(s->back[layer->sets[one]], layer->back);
+  for (int32_t k = 0; k < s->set_count; k++)
+    set_all(s->direction, s->first_point[k], s->first_point[k + 1], s->back[k]);
 }
 
-/* Clear `opens` in the sets whose forces do not fall together (eq:release-together), or that pass
- * nothing on (eq:release-passed). */
+/* Clear `opens` in the sets whose forces do not fall together (eq:release-together), or rise too
+ * much (eq:release-passed). */
 static void keep_falling(ct_solver *s, ct_opening how, const double *alone, double *opens)
 {
   ct_law_find_falls(&s->laws, how, alone, s->force, s->gradient);
   for (int32_t k = 0; k < s->set_count; k++) {
     const int64_t first = s->first_point[k], count = s->first_point[k + 1] - first;
-    const int may = how == CT_OPENS_TOGETHER || s->passes[k];
     // -- Σ (⟨λ_u⟩ - 0.7 λ_{n-1}) < 0 (eq:release-together)
-    if (!may || !(ct_sum_over(s->pieces, &s->gradient[first], count) < 0.0))
+    if (!(ct_sum_over(s->pieces, &s->gradient[first], count) < 0.0))
       ct_clear(&opens[first], (size_t)count);
   }
 }
@@ -254,7 +256,7 @@ static void keep_falling(ct_solver *s, ct_opening how, const double *alone, doub
 /* The points that open in a way; in `all` sets, or where the forces of a set allow it. */
 static void open_so(ct_solver *s, ct_opening how, const double *alone, int all, double *opens)
 {
-  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, opens);
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, how, s->direction, opens);
   if (!all && how != CT_OPENS_ALONE) keep_falling(s, how, alone, opens);
 }
 
@@ -302,13 +304,13 @@ static int find_releases(ct_solver *s)
 {
   double *opens = s->terms, *alone = s->image;
   find_alone(s->count, s->free, s->b, s->C, s->scale, alone);
+  if (s->layer_count > 0) find_passing(s);
   find_openings(s, alone, 1, opens);
   double some = !ct_is_zero(opens, s->count);
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 0;
   ct_law_take_debts(&s->laws);
   pay_debts(s);
-  if (s->layer_count > 0) find_passing(s);
   find_openings(s, alone, 0, opens);
   return !ct_is_zero(opens, s->count);
 }

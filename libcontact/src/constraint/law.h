@@ -69,9 +69,11 @@ typedef enum ct_opening {
 } ct_opening;
 
 /* Whether a row opens so in a step: its `after` is the next gap without the constraints, `force`
- * what it would have without its neighbours, and `bound` that of W (eq:release-time). */
-int ct_law_releases(const ct_constraint *row, double bound, double dt, double force,
-                    ct_opening how);
+ * what it would have without its neighbours, and `bound` that of W (eq:release-time); `back` is the
+ * time t_b after closing in which a layer sends the wave back, 0 if none does (eq:release-passed).
+ */
+int ct_law_releases(const ct_constraint *row, double bound, double dt, double force, ct_opening how,
+                    double back);
 
 /* The extra row: its ramp, and the force with which it gives back all of the reserve if all
  * points that open move alike. `free` is g_{n+1} without the constraints, `bound` the change of the
@@ -137,9 +139,9 @@ int64_t ct_law_end(const ct_law_rows *rows, int64_t first);
 void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, double *C,
                 double *b);
 
-/* `opens` = 1 for the rows that open so, else 0. */
+/* `opens` = 1 for the rows that open so, else 0; `back` is read for CT_OPENS_PASSED only. */
 void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double dt,
-                          const double *force, ct_opening how, double *opens);
+                          const double *force, ct_opening how, const double *back, double *opens);
 
 /* What is left of a reserve K, or of a debt, K < 0, when points that hold H pay for those that owe
  * B, both positive, in the same proportion (eq:impact-debt). */

@@ -28,19 +28,20 @@ int ct_law_may_release(const ct_constraint *c) { return may_release(c); }
 static const double PARTS[CT_OPENINGS] = {
     [CT_OPENS_ALONE] = 1.0 / 3.0, [CT_OPENS_TOGETHER] = 0.7, [CT_OPENS_PASSED] = 1.2};
 
-/* Whether a wave that crosses a layer and comes back reaches a point in this step or the next. */
-CT_INLINE int is_met(const ct_constraint *c, double dt)
+/* Whether a wave that crosses a layer and comes `back` reaches a point in this step or the next. */
+CT_INLINE int is_met(const ct_constraint *c, double dt, double back)
 {
-  // -- -½ <= (t_c - 2 h / c₁) / Δt < 3/2, where a tie is not left to rounding (eq:release-passed)
-  const double late = c->impact.pressed - 2.0 * c->travel_time + 1e-6 * dt;
-  return (c->impact.idle == 0.0) & (late >= -0.5 * dt) & (late < 1.5 * dt);
+  // -- -½ <= (t_c - t_b) / Δt < 3/2, where a tie is not left to rounding (eq:release-passed)
+  const double late = c->impact.pressed - back + 1e-6 * dt;
+  return (back > 0.0) & (c->impact.idle == 0.0) & (late >= -0.5 * dt) & (late < 1.5 * dt);
 }
 
-/* The part of the last force below which a point opens so in this step. */
-CT_INLINE double part_of(const ct_constraint *c, double dt, ct_opening how)
+/* Whether the force of a point falls enough, or a wave tells it to open. */
+CT_INLINE int is_due(const ct_constraint *c, double dt, double force, ct_opening how, double back)
 {
-  if (how == CT_OPENS_PASSED) return is_met(c, dt) ? PARTS[how] : 0.0;
-  return ct_law_is_younger(c, CT_LASTING) ? PARTS[how] : PARTS[CT_OPENS_ALONE];
+  if (how == CT_OPENS_PASSED) return is_met(c, dt, back);
+  const double part = ct_law_is_younger(c, CT_LASTING) ? PARTS[how] : PARTS[CT_OPENS_ALONE];
+  return force <= part * (c->force - c->impact.release);
 }
 
 /* Whether the spring of a point can stop its node while a wave crosses the element. */
@@ -52,39 +53,41 @@ CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
 }
 
 CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force,
-                       ct_opening how)
+                       ct_opening how, double back)
 {
-  const double last = c->force - c->impact.release, x = c->after - c->before,
-               part = part_of(c, dt, how);
+  const double x = c->after - c->before;
   // -- The step that is nearest to the zero of the extrapolated force, or in which the contact
   // falls; a point that comes nearer holds more than its motion has (eq:release-time)
-  return may_release(c) & (force <= part * last) & is_stiff(c, bound, dt) &
+  return may_release(c) & is_due(c, dt, force, how, back) & is_stiff(c, bound, dt) &
          ((x >= 0.0) | (8.0 * c->impact.reserve * bound > x * x));
 }
 
-int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, ct_opening how)
+int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, ct_opening how,
+                    double back)
 {
-  return releases(c, bound, dt, force, how);
+  return releases(c, bound, dt, force, how, back);
 }
 
 /* `how` is a constant in each call, so each loop has only its own conditions. */
 CT_INLINE void find_releases(const ct_law_rows *of, const double *bound, double dt,
-                             const double *force, ct_opening how, double *opens)
+                             const double *force, ct_opening how, const double *back, double *opens)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
     const ct_constraint c = ct_law_row(of, r);
-    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], how) ? 1.0 : 0.0;
+    const double t = how == CT_OPENS_PASSED ? back[r] : 0.0;
+    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], how, t) ? 1.0 : 0.0;
   }
 }
 
 CT_CLONES
 void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
-                          const double *force, ct_opening how, double *opens)
+                          const double *force, ct_opening how, const double *back, double *opens)
 {
-  if (how == CT_OPENS_ALONE) find_releases(of, bound, dt, force, CT_OPENS_ALONE, opens);
-  else if (how == CT_OPENS_TOGETHER) find_releases(of, bound, dt, force, CT_OPENS_TOGETHER, opens);
-  else find_releases(of, bound, dt, force, CT_OPENS_PASSED, opens);
+  if (how == CT_OPENS_ALONE) find_releases(of, bound, dt, force, CT_OPENS_ALONE, back, opens);
+  else if (how == CT_OPENS_TOGETHER)
+    find_releases(of, bound, dt, force, CT_OPENS_TOGETHER, back, opens);
+  else find_releases(of, bound, dt, force, CT_OPENS_PASSED, back, opens);
 }
 
 ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)

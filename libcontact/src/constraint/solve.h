@@ -54,6 +54,13 @@ struct ct_bodies;
 
 /* Memory to solve for the forces of all constraints of a problem together. Its nodes are those of
  * all effects, each once. */
+/* A layer of elements between two sets, and the time in which a wave crosses it and comes back
+ * (eq:release-passed). */
+typedef struct ct_layer {
+  int32_t sets[2];
+  double back;
+} ct_layer;
+
 typedef struct ct_solver {
   ct_pool pool;
   int32_t set_count;
@@ -123,10 +130,10 @@ typedef struct ct_solver {
   double *after;                  /* next gaps with the present forces */
   double tolerance;           /* largest change of a force by a further step, as a fraction of the
                                  largest force; see CT_SOLVER_USUAL */
-  int32_t layer_count;        /* pairs of sets with one layer of elements between them, ... */
-  int32_t (*layers)[2];       /* ... which passes the waves of each to the other */
+  int32_t layer_count;        /* layers of elements, ... */
+  ct_layer *layers;           /* ... each of which passes the waves of two sets to the other */
   double *pressed;            /* of each set: its largest force of the last step */
-  uint8_t *passes;            /* of each set: whether the set behind a layer was pressed */
+  double *back;               /* of each set: that of its layer if the set behind it was pressed */
   struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */
   struct ct_tangent *tangent; /* null: no friction */
   int iterations;             /* of the last solution */

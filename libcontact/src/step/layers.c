@@ -3,6 +3,7 @@
 
 #include "../base/list.h"
 #include "../base/memory.h"
+#include "../base/vector.h"
 #include "effect_internal.h"
 
 #include <math.h>
@@ -42,6 +43,30 @@ static double impedance(const ct_body *body)
   return body->material.density * c1;
 }
 
+/* Time in which a wave crosses a layer and comes back: twice the mean distance of the middles of
+ * the nodes that its elements have in a set and in no set of these, over c₁ (eq:release-passed). */
+static double return_time(const ct_body *body, const ct_row_set *set)
+{
+  const ct_mesh *mesh = body->mesh;
+  double c1, c2, sum = 0.0;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    double middle[2][3] = {{0.0}};
+    int count[2] = {0};
+    for (int a = 0; a < 8; a++) {
+      const int32_t n = mesh->elements[8 * (size_t)e + (size_t)a], m = body->first_node + n;
+      const int side = nodes_below(set, m + 1) > nodes_below(set, m);
+      for (int c = 0; c < 3; c++) middle[side][c] += mesh->nodes[3 * (size_t)n + (size_t)c];
+      count[side]++;
+    }
+    double d[3];
+    for (int c = 0; c < 3; c++) d[c] = middle[0][c] / count[0] - middle[1][c] / count[1];
+    sum += sqrt(ct_vector_dot(d, d));
+  }
+  ct_material_speeds(&body->material, &c1, &c2);
+  // -- t_b = 2 h / c₁ (eq:release-passed)
+  return 2.0 * sum / (mesh->element_count * c1);
+}
+
 /* Whether a body of a set moves freely at each of its nodes where the set acts on it. */
 static int is_free(const ct_problem *problem, const ct_row_set *set, int32_t b)
 {
@@ -71,10 +96,9 @@ static int passes(const ct_problem *problem, const ct_row_set *set, int32_t b)
   return others > 0;
 }
 
-/* Write the pairs of sets with one layer between them, unless `pairs` is null; returns their
- * number. */
-static int32_t find_pairs(const ct_problem *problem, const ct_row_set *sets, int32_t count,
-                          int32_t *beside, int32_t (*pairs)[2])
+/* Write the layers between two sets, unless `layers` is null; returns their number. */
+static int32_t find_layers(const ct_problem *problem, const ct_row_set *sets, int32_t count,
+                           int32_t *beside, ct_layer *layers)
 {
   int32_t found = 0;
   for (int32_t b = 0; b < problem->body_count; b++) {
@@ -87,30 +111,31 @@ static int32_t find_pairs(const ct_problem *problem, const ct_row_set *sets, int
         const ct_row_set *one = &sets[beside[i]], *two = &sets[beside[j]];
         if (!is_between(body, one, two) || !passes(problem, one, b) || !passes(problem, two, b))
           continue;
-        if (pairs != NULL) pairs[found][0] = beside[i], pairs[found][1] = beside[j];
+        if (layers != NULL)
+          layers[found] = (ct_layer){{beside[i], beside[j]}, return_time(body, one)};
         found++;
       }
   }
   return found;
 }
 
-/* Room for pairs of sets, and for what is told of each set in a step. */
-static void take(ct_solver *s, int32_t pairs)
+/* Room for layers, and for what is told of each set in a step. */
+static void take(ct_solver *s, int32_t layers)
 {
   const size_t sets = (size_t)s->set_count;
-  s->layer_count = pairs;
-  if (pairs == 0) return;
-  s->layers = ct_pool_take(&s->pool, (size_t)pairs, sizeof *s->layers);
+  s->layer_count = layers;
+  if (layers == 0) return;
+  s->layers = ct_pool_take(&s->pool, (size_t)layers, sizeof *s->layers);
   s->pressed = ct_pool_take(&s->pool, sets, sizeof *s->pressed);
-  s->passes = ct_pool_take(&s->pool, sets, sizeof *s->passes);
+  s->back = ct_pool_take(&s->pool, sets, sizeof *s->back);
 }
 
 void ct_layers_find(const ct_problem *problem, const ct_row_set *sets, int32_t count, ct_solver *s)
 {
   int32_t *beside = ct_pool_take(&s->pool, (size_t)count, sizeof *beside);
   if (beside == NULL) return;
-  take(s, find_pairs(problem, sets, count, beside, NULL));
-  if (s->layer_count > 0 && !s->pool.failed) find_pairs(problem, sets, count, beside, s->layers);
+  take(s, find_layers(problem, sets, count, beside, NULL));
+  if (s->layer_count > 0 && !s->pool.failed) find_layers(problem, sets, count, beside, s->layers);
 }
 
 ct_status ct_layers_spread(const ct_piece *piece, ct_solver *s, ct_error *error)
@@ -123,10 +148,11 @@ ct_status ct_layers_spread(const ct_piece *piece, ct_solver *s, ct_error *error)
   status = ct_piece_agree(
       piece, s->pool.failed ? CT_NO_MEMORY(error, "layers between contacts") : CT_OK, error);
   for (int32_t i = 0; status == CT_OK && i < s->layer_count; i++) {
-    double pair[2] = {0.0, 0.0};
-    for (int k = 0; first && k < 2; k++) pair[k] = (double)s->layers[i][k];
-    status = ct_piece_collect(piece, pair, 2, error);
-    for (int k = 0; k < 2; k++) s->layers[i][k] = (int32_t)pair[k];
+    ct_layer *own = &s->layers[i];
+    double told[3] = {(double)own->sets[0], (double)own->sets[1], own->back};
+    for (int k = 0; !first && k < 3; k++) told[k] = 0.0;
+    status = ct_piece_collect(piece, told, 3, error);
+    *own = (ct_layer){{(int32_t)told[0], (int32_t)told[1]}, told[2]};
   }
   return status;
 }
