@@ -154,7 +154,7 @@ def equal(n: int, poisson: float = 0.0, cells: tuple[int, int] = (4, 4), **more:
 # Bars that land flat or with an edge, at an angle.
 
 
-def bar(angle: float, on_plate: bool, tilted: bool, time: float = 60.0) -> Maker:
+def bar(angle: float, on_plate: bool, tilted: bool, points: str = "gauss") -> Maker:
     """A bar of 2 x 2 x 6 elements of the size 1 with ν = 0.3 that meets a wall or a plate: flat, with a
     velocity at an angle to the normal, or turned by the angle, with a velocity along the normal."""
     a, speed = math.radians(angle), 2 * SPEED
@@ -174,12 +174,12 @@ def bar(angle: float, on_plate: bool, tilted: bool, time: float = 60.0) -> Maker
         if on_plate:
             box = {"origin": [-5, -3, -2], "size": [10, 6, 2], "cells": [10, 6, 2]}
             made.add_body("plate", material="soft", box=box)
-            made.add_contact("bar.outer", "plate.z_max", **law)
+            made.add_contact("bar.outer", "plate.z_max", points=points, **law)
             masses.append(120.0)
         else:
             plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
             made.add("obstacle", surface="bar.outer", plane=plane, **law)
-        made.set_time(end=time, fraction=fraction, energy_limit=100).set_output(every=1, fields=[])
+        made.set_time(end=60.0, fraction=fraction, energy_limit=100).set_output(every=1, fields=[])
         moving = 24.0 if not on_plate else 20.0  # 1 / (1/24 + 1/120)
         return Scene(made, 0.5 * moving * speed**2, masses, speed=speed)
 
@@ -349,6 +349,10 @@ def bars() -> Iterator[Case]:
                     where = "plate" if on_plate else "wall"
                     name = f"{'tilted' if tilted else 'flat'} bar on a {where}, {angle}°"
                     yield Case(name, bar(angle, on_plate, tilted), 0.01, 0.02, 0.05, PHASES[::3])
+    # Here the sides of the bar meet Gauss points of the plate beside it.
+    for name, angle in (("flat", 45), ("tilted", 5)):
+        maker = bar(angle, True, name == "tilted", "lobatto")
+        yield Case(f"{name} bar, Lobatto points", maker, 0.01, 0.02, 0.05, PHASES[::3])
     # What that test converges to on its own mesh.
     yield Case("thin discs", discs, 0.01, 2.0, 2.0, exact=(-81.2, 0.7))
     yield Case("Saint-Venant", stack([Plate(40, 1, 1.0), Plate(80, 1)], time=190), 0.01, 0.01, 0.01)
