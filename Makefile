@@ -256,7 +256,7 @@ _stability: $(VENV)/.wrapper
 	@echo "written: $(BUILD)/stability/"
 
 # A table that was stopped goes on where it was.
-_accuracy: $(VENV)/.wrapper
+_accuracy: $(VENV)/.wrapper $(VENV)/.bench
 	MPLBACKEND=Agg $(VENV)/bin/python accuracy/run.py $(BUILD)/accuracy $(ACCURACY)
 	@echo "written: $(BUILD)/accuracy/"
 

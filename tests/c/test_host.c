@@ -432,20 +432,22 @@ static void refusals(void)
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_STEP, "a leap: %s", e.text);
 }
 
-/* Obstacles, friction and saved numbers that are refused. */
-static void refused_parts(void)
+static ct_obstacle_def floor_below(void)
+{
+  ct_obstacle_def wall = ct_obstacle_def_default();
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
+  wall.initial_penetration = CT_INITIAL_FORCE;
+  return wall;
+}
+
+/* Numbers of obstacles and friction that are refused. */
+static void refused_numbers(void)
 {
   static const double BAD[] = {0.0, -0.3, NAN, INFINITY};
   face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
-  ct_contact *contact = open_faces(&a, &b, plain()), *alone = NULL;
-  ct_contact_options options = plain();
-  ct_obstacle_def wall = ct_obstacle_def_default(), none = {0};
+  ct_contact *contact = open_faces(&a, &b, plain());
+  ct_obstacle_def wall = floor_below();
   ct_error e;
-  double force[3], work, memory[400];
-  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
-  wall.initial_penetration = CT_INITIAL_FORCE;
-  must(ct_contact_create, &a.surface, NULL, &options, &alone);
-  later_contact(alone);
   for (int k = 0; k < 4; k++) {
     tap_ok(ct_contact_add_friction(contact, -1, BAD[k], 1.0, &e) == CT_ERROR_ARGUMENT &&
                ct_contact_add_friction(contact, -1, 0.3, BAD[k], &e) == CT_ERROR_ARGUMENT,
@@ -461,6 +463,19 @@ static void refused_parts(void)
     tap_ok(status == (isfinite(BAD[k]) ? CT_OK : CT_INVALID), "a velocity of %g: %s", BAD[k],
            status == CT_OK ? "" : e.text);
   }
+}
+
+/* Obstacles and friction that are refused. */
+static void refused_parts(void)
+{
+  face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain()), *alone = NULL;
+  ct_contact_options options = plain();
+  ct_obstacle_def wall = floor_below(), none = {0};
+  ct_error e;
+  double force[3], work;
+  must(ct_contact_create, &a.surface, NULL, &options, &alone);
+  later_contact(alone);
   const int32_t carrier = 7;
   wall.carrier = &carrier;
   tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT &&
@@ -495,6 +510,20 @@ static void refused_parts(void)
   tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
          "%s", e.text);
+}
+
+/* Saved numbers that are refused. */
+static void refused_memory(void)
+{
+  face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain());
+  ct_obstacle_def wall = floor_below();
+  ct_error e;
+  double memory[400];
+  must(ct_contact_add_obstacle, contact, 0, &wall);
+  must(ct_contact_add_friction, contact, 0, 0.3, 1.0);
+  ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.005);
+  must(ct_contact_step, contact, &p);
   const int64_t count = ct_contact_save(contact, memory);
   double at = lift(contact);
   int refused = 0, allowed = 0;
@@ -525,9 +554,7 @@ static void memory(void)
   face a = face_at(0.05, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
   ct_error e;
   ct_contact *contact = open_faces(&a, &b, plain());
-  ct_obstacle_def wall = ct_obstacle_def_default();
-  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
-  wall.initial_penetration = CT_INITIAL_FORCE;
+  ct_obstacle_def wall = floor_below();
   for (int k = 0; k < 3; k++)
     for (int spare = 0; spare < 1000; spare++) {
       counted.last_call = counted.calls + spare;
@@ -640,7 +667,9 @@ int main(void)
     steps_by_hand(0.5, given);
   }
   refusals();
+  refused_numbers();
   refused_parts();
+  refused_memory();
   memory();
   return tap_done();
 }

@@ -90,13 +90,11 @@ static void open_solver(linear *t)
     for (int c = 0; c < 3; c++) t->s->mobility[4 * i + c] = t->dt * t->dt / t->mass[i];
 }
 
-/* Entries and springs with the stable step 2 / sqrt of the largest eigenvalue by its row sums;
- * masses of 10^-decades to 10^decades. */
-static void new_linear(linear *t, double spread, double decades, double fraction, double mu)
+/* Springs between the nodes, and the stable step 2 / sqrt of their largest eigenvalue by row sums.
+ */
+static void join_nodes(linear *t, double fraction)
 {
-  *t = (linear){.rows = 1 + pick(ROWS)};
-  double top = 0.0, scale[ROWS];
-  for (int i = 0; i < NODES; i++) t->mass[i] = pow(10.0, decades * uniform(1.0));
+  double top = 0.0;
   for (int i = 0; i < NODES; i++)
     for (int j = 0; j < i; j++) {
       double d[3], k = pow(10.0, uniform(1.0));
@@ -116,47 +114,45 @@ static void new_linear(linear *t, double spread, double decades, double fraction
     top = fmax(top, sum);
   }
   t->dt = fraction * 2.0 / sqrt(top);
-  for (int j = 0; j < t->rows; j++) {
-    ct_constraint *c = &t->row[j];
-    point *p = &t->slip[j];
-    int perm[NODES];
-    for (int i = 0; i < NODES; i++) perm[i] = i;
-    for (int i = 0; i < NODES; i++) {
-      int k = pick(NODES), m = perm[i];
-      perm[i] = perm[k], perm[k] = m;
-    }
-    for (int a = 0; a < 4; a++) {
-      t->own[j][a] = perm[a], t->other[j][a] = perm[4 + a];
-      t->own_shape[j][a] = t->other_shape[j][a] = 0.25 + 0.2 * uniform(1.0);
-    }
-    *c = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
-                         .own_count = 4,
-                         .other_count = pick(10) < 7 ? 4 : 0,
-                         .own = t->own[j],
-                         .other = t->other[j],
-                         .own_shape = t->own_shape[j],
-                         .other_shape = t->other_shape[j],
-                         .dissipation = 0.15,
-                         .gap = pick(3) ? fabs(uniform(0.2)) : 0.0,
-                         .slip = &p->slip};
-    double n[3] = {spread * uniform(1.0), spread * uniform(1.0), 1.0 + spread * uniform(1.0)};
-    double length = sqrt(ct_vector_dot(n, n));
-    for (int k = 0; k < 3; k++) c->normal[k] = n[k] / length;
-    open_point(p, c->normal, mu);
-    for (int k = 0; k < 3; k++) p->lever[k] = 0.1 * c->normal[k];
-    for (int b = 0; b < 4; b++)
-      for (int k = 0; k < 3; k++) p->weight[b][k] = spread > 0.0 ? uniform(1.0) : 0.0;
+}
+
+/* Row j between four nodes and four others, or an obstacle. */
+static void new_row(linear *t, int j, double spread, double mu)
+{
+  ct_constraint *c = &t->row[j];
+  point *p = &t->slip[j];
+  int perm[NODES];
+  for (int i = 0; i < NODES; i++) perm[i] = i;
+  for (int i = 0; i < NODES; i++) {
+    int k = pick(NODES), m = perm[i];
+    perm[i] = perm[k], perm[k] = m;
   }
-  open_solver(t);
-  // -- Stiffnesses relative to the inertia of the points
-  const double stiff = pow(10.0, 1.5 + 1.5 * uniform(1.0));
-  for (int j = 0; j < t->rows; j++) {
-    double own = 0.0;
-    for (int a = 0; a < 4; a++) own = fmax(own, t->dt * t->dt / t->mass[t->own[j][a]]);
-    scale[j] = stiff * pow(10.0, 0.3 * uniform(1.0)) / own;
-    t->row[j].stiffness = scale[j];
-    t->slip[j].k = scale[j] * (pick(2) ? 1.0 : 0.1);
+  for (int a = 0; a < 4; a++) {
+    t->own[j][a] = perm[a], t->other[j][a] = perm[4 + a];
+    t->own_shape[j][a] = t->other_shape[j][a] = 0.25 + 0.2 * uniform(1.0);
   }
+  *c = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                       .own_count = 4,
+                       .other_count = pick(10) < 7 ? 4 : 0,
+                       .own = t->own[j],
+                       .other = t->other[j],
+                       .own_shape = t->own_shape[j],
+                       .other_shape = t->other_shape[j],
+                       .dissipation = 0.15,
+                       .gap = pick(3) ? fabs(uniform(0.2)) : 0.0,
+                       .slip = &p->slip};
+  double n[3] = {spread * uniform(1.0), spread * uniform(1.0), 1.0 + spread * uniform(1.0)};
+  double length = sqrt(ct_vector_dot(n, n));
+  for (int k = 0; k < 3; k++) c->normal[k] = n[k] / length;
+  open_point(p, c->normal, mu);
+  for (int k = 0; k < 3; k++) p->lever[k] = 0.1 * c->normal[k];
+  for (int b = 0; b < 4; b++)
+    for (int k = 0; k < 3; k++) p->weight[b][k] = spread > 0.0 ? uniform(1.0) : 0.0;
+}
+
+/* Velocities of the nodes, and loads that press and shear the rows. */
+static void load_rows(linear *t)
+{
   for (int d = 0; d < DOFS; d++) t->v[d] = 0.3 * uniform(1.0), t->last[d] = -t->dt * t->v[d];
   for (int j = 0; j < t->rows; j++) {
     double press = 3.0 * fabs(uniform(1.0)), shear[3];
@@ -170,6 +166,25 @@ static void new_linear(linear *t, double spread, double decades, double fraction
             N * (press * t->row[j].normal[k] + shear[k]);
       }
   }
+}
+
+/* A random scene with masses of 10^-decades to 10^decades, and stiffnesses relative to the inertia
+ * of the points. */
+static void new_linear(linear *t, double spread, double decades, double fraction, double mu)
+{
+  *t = (linear){.rows = 1 + pick(ROWS)};
+  for (int i = 0; i < NODES; i++) t->mass[i] = pow(10.0, decades * uniform(1.0));
+  join_nodes(t, fraction);
+  for (int j = 0; j < t->rows; j++) new_row(t, j, spread, mu);
+  open_solver(t);
+  const double stiff = pow(10.0, 1.5 + 1.5 * uniform(1.0));
+  for (int j = 0; j < t->rows; j++) {
+    double own = 0.0;
+    for (int a = 0; a < 4; a++) own = fmax(own, t->dt * t->dt / t->mass[t->own[j][a]]);
+    t->row[j].stiffness = stiff * pow(10.0, 0.3 * uniform(1.0)) / own;
+    t->slip[j].k = t->row[j].stiffness * (pick(2) ? 1.0 : 0.1);
+  }
+  load_rows(t);
 }
 
 /* Row j times increments of all nodes: along the normal, or in the plane. */
@@ -214,46 +229,103 @@ typedef struct account {
   int steps, bad, releases;
 } account;
 
+/* Energies of a step: what points hold by slip before and after it, what springs and reserves of
+ * normal forces gain, the work of obstacles, and that of friction. */
+typedef struct ledger {
+  double before, after, normals, obstacle, rub;
+} ledger;
+
+/* Give the solver the rows of a step: a few points have lost their partners, those at obstacles are
+ * moved. */
+static void list_rows(linear *t, int step, int randomly, const double moving[3], int *lost,
+                      ledger *books)
+{
+  t->s->first[1] = 0;
+  for (int j = 0; j < t->rows; j++) {
+    ct_constraint *c = &t->row[j];
+    point *p = &t->slip[j];
+    lost[j] = step % 17 == 16 && pick(10) == 0;
+    if (randomly) p->of.mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
+    p->work = 0.0;
+    if (c->other_count == 0)
+      for (int k = 0; k < 3; k++)
+        p->of.came[k] = p->of.coming[k], p->of.coming[k] = moving[k] * cos(0.3 * step),
+        p->of.moves = 1;
+    c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.came);
+    c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.coming);
+    books->normals -= c->impact.reserve;
+    if (lost[j]) ct_slip_open(&p->slip), books->normals -= c->impact.stored, ct_law_leave(c, t->dt);
+    else t->s->rows[t->s->first[1]++] = c;
+    books->before += stored_of(p);
+  }
+}
+
+/* The energies of the rows in a step with the increments `dl` before it and `du` in it. */
+static void account_rows(linear *t, const int *lost, const double *dl, const double *du,
+                         ledger *books, int *releases)
+{
+  for (int j = 0; j < t->rows; j++) {
+    ct_constraint *c = &t->row[j];
+    point *p = &t->slip[j];
+    double a[3], b[3];
+    relative_motion(t, j, dl, a), relative_motion(t, j, du, b);
+    const double last = c->gap - (ct_vector_dot(a, c->normal) + c->came),
+                 g = c->gap + (ct_vector_dot(b, c->normal) + c->moved);
+    if (!lost[j]) {
+      books->normals += 0.25 * c->stiffness * (pow(fmin(g, 0.0), 2) - pow(fmin(last, 0.0), 2));
+      books->obstacle += 0.5 * c->force * (c->moved + c->came);
+      tangential_motion(t, j, dl, a), tangential_motion(t, j, du, b);
+      for (int k = 0; k < 3 && !c->other_count; k++) {
+        books->obstacle -= 0.5 * p->force[k] * (p->of.came[k] + p->of.coming[k]);
+        a[k] -= p->of.came[k], b[k] -= p->of.coming[k];
+      }
+      books->rub += 0.5 * (ct_vector_dot(p->force, a) + ct_vector_dot(p->force, b));
+    }
+    books->after += stored_of(p), books->normals += c->impact.reserve;
+    *releases += c->impact.release > 0.0;
+    c->gap = g;
+  }
+}
+
+/* Forces of the springs and loads, and for the solver the increments that they alone would give. */
+static void predict(linear *t, double *f, double *dl)
+{
+  for (int d = 0; d < DOFS; d++) {
+    f[d] = t->load[d];
+    for (int i = 0; i < DOFS; i++) f[d] -= t->K[d][i] * t->u[i];
+    dl[d] = t->u[d] - t->last[d];
+    t->s->increment[4 * (d / 3) + d % 3] = t->dt * (t->v[d] + t->dt * f[d] / t->mass[d / 3]);
+    t->s->last_increment[4 * (d / 3) + d % 3] = dl[d];
+  }
+}
+
+static double energy_of(const linear *t, const double *next)
+{
+  double E = 0.0;
+  for (int d = 0; d < DOFS; d++) {
+    E += 0.5 * t->mass[d / 3] * t->v[d] * t->v[d] - 0.5 * t->load[d] * (t->u[d] + next[d]);
+    for (int i = 0; i < DOFS; i++) E += 0.5 * t->u[d] * t->K[d][i] * next[i];
+  }
+  return E;
+}
+
 /* Take steps, and count the energy; `randomly`: the coefficient of friction is another one in each;
  * `rounds`: most of the iteration, which then stops early. (eq:slip-work, eq:slip-store,
  * eq:slip-guard, eq:slip-stick, eq:slip-loss, eq:impact-reserve) */
 static void run_linear(linear *t, int steps, int rounds, int randomly, account *sum)
 {
   double energy = 0.0, start = 0.0;
-  if (rounds > 0) t->s->tangent->most_rounds = rounds;
+  ct_solver *s = t->s;
+  if (rounds > 0) s->tangent->most_rounds = rounds;
   for (int d = 0; d < DOFS; d++)
     start += 0.5 * t->mass[d / 3] * t->v[d] * t->v[d] + 0.1 * fabs(t->load[d]);
   double moving[3] = {0.1 * t->dt * uniform(1.0), 0.1 * t->dt * uniform(1.0), 0.0};
   for (int step = 0; step < steps; step++) {
-    double f[DOFS], fc[DOFS] = {0.0}, du[DOFS], dl[DOFS], held = 0.0, before = 0.0, next[DOFS];
-    double normals = 0.0, obstacle = 0.0, rub = 0.0, stored = 0.0, reserve = 0.0;
+    double f[DOFS], fc[DOFS] = {0.0}, du[DOFS], dl[DOFS], next[DOFS];
+    ledger books = {0};
     int lost[ROWS];
-    ct_solver *s = t->s;
-    s->first[1] = 0;
-    for (int j = 0; j < t->rows; j++) {
-      ct_constraint *c = &t->row[j];
-      point *p = &t->slip[j];
-      lost[j] = step % 17 == 16 && pick(10) == 0;
-      if (randomly) p->of.mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
-      p->work = 0.0;
-      if (c->other_count == 0)
-        for (int k = 0; k < 3; k++)
-          p->of.came[k] = p->of.coming[k], p->of.coming[k] = moving[k] * cos(0.3 * step),
-          p->of.moves = 1;
-      c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.came);
-      c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.coming);
-      reserve -= c->impact.reserve;
-      if (lost[j]) ct_slip_open(&p->slip), normals -= c->impact.stored, ct_law_leave(c, t->dt);
-      else s->rows[s->first[1]++] = c;
-      before += stored_of(p);
-    }
-    for (int d = 0; d < DOFS; d++) {
-      f[d] = t->load[d];
-      for (int i = 0; i < DOFS; i++) f[d] -= t->K[d][i] * t->u[i];
-      du[d] = t->dt * (t->v[d] + t->dt * f[d] / t->mass[d / 3]);
-      dl[d] = t->u[d] - t->last[d];
-      s->increment[4 * (d / 3) + d % 3] = du[d], s->last_increment[4 * (d / 3) + d % 3] = dl[d];
-    }
+    list_rows(t, step, randomly, moving, lost, &books);
+    predict(t, f, dl);
     if (!ct_solver_solve(s)) {
       sum->bad += 1000;
       return;
@@ -265,38 +337,12 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
       t->v[d] += t->dt * (f[d] + fc[d]) / t->mass[d / 3];
       next[d] = t->u[d] + t->dt * t->v[d], du[d] = next[d] - t->u[d];
     }
-    for (int j = 0; j < t->rows; j++) {
-      ct_constraint *c = &t->row[j];
-      point *p = &t->slip[j];
-      double a[3], b[3];
-      relative_motion(t, j, dl, a), relative_motion(t, j, du, b);
-      const double last = c->gap - (ct_vector_dot(a, c->normal) + c->came), gap = c->gap,
-                   g = gap + (ct_vector_dot(b, c->normal) + c->moved);
-      if (!lost[j]) {
-        normals += 0.25 * c->stiffness * (pow(fmin(g, 0.0), 2) - pow(fmin(last, 0.0), 2));
-        obstacle += 0.5 * c->force * (c->moved + c->came);
-        tangential_motion(t, j, dl, a), tangential_motion(t, j, du, b);
-        for (int k = 0; k < 3 && !c->other_count; k++) {
-          obstacle -= 0.5 * p->force[k] * (p->of.came[k] + p->of.coming[k]);
-          a[k] -= p->of.came[k], b[k] -= p->of.coming[k];
-        }
-        rub += 0.5 * (ct_vector_dot(p->force, a) + ct_vector_dot(p->force, b));
-      }
-      held += stored_of(p), reserve += c->impact.reserve;
-      sum->releases += c->impact.release > 0.0;
-      c->gap = g;
-    }
-    stored = held;
-    double E = 0.0;
-    for (int d = 0; d < DOFS; d++) {
-      E += 0.5 * t->mass[d / 3] * t->v[d] * t->v[d] - 0.5 * t->load[d] * (t->u[d] + next[d]);
-      for (int i = 0; i < DOFS; i++) E += 0.5 * t->u[d] * t->K[d][i] * next[i];
-    }
+    account_rows(t, lost, dl, du, &books, &sum->releases);
+    const double E = energy_of(t, next), slip = books.after - books.before;
     if (step > 0) {
-      sum->growth =
-          worst(sum->growth,
-                fmax((E + obstacle - energy) + normals + reserve + stored - before, 0.0) / start);
-      sum->friction = worst(sum->friction, fmax(rub + stored - before, 0.0) / start);
+      sum->growth = worst(sum->growth,
+                          fmax((E + books.obstacle - energy) + books.normals + slip, 0.0) / start);
+      sum->friction = worst(sum->friction, fmax(books.rub + slip, 0.0) / start);
     }
     energy = E;
     memcpy(t->last, t->u, sizeof next), memcpy(t->u, next, sizeof next);

@@ -173,54 +173,95 @@ static void keep_sides(run *r, body *b, int all)
   b->end = high[0];
 }
 
-static void add_body(run *r, dice *d, int number)
+/* The plain mesh of a body: a part of a ring, or a box. */
+static void mesh_ring(body *b, dice *d, ct_brick_kind kind, double begin)
+{
+  ct_error e;
+  double outer = between(d, 1.0, 3.0);
+  ct_ring shape = {{begin + outer, 0.0, 0.0},
+                   {outer * between(d, 0.4, 0.8), outer},
+                   1.0,
+                   {1 + below(d, 2), 4 + below(d, kind == CT_HEX20 ? 3 : 20),
+                    1 + below(d, kind == CT_HEX20 ? 1 : 2)}};
+  demand(ct_mesh_create_ring(kind, &shape, &b->plain, &e) == CT_OK, "a ring");
+}
+
+static void mesh_box(run *r, dice *d, int number, ct_brick_kind kind, double begin)
 {
   ct_error e;
   body *b = &r->bodies[number];
-  double gaps[] = {0.0, 0.0, 0.01, -0.01, 0.1, 0.3, 4.0};
-  double begin = number == 0 ? 0.5 * real(d) : r->bodies[number - 1].end + gaps[below(d, 7)];
-  ct_brick_kind kind = !r->plain && chance(d, 4) ? CT_HEX20 : CT_HEX8;
-  int ring = !r->plain && chance(d, 8), mixed_up = chance(d, 5),
-      most = kind == CT_HEX20 ? 24
-             : r->large       ? 3000
-                              : 280;
-  b->thin = -1;
-  if (ring) {
-    double outer = between(d, 1.0, 3.0);
-    ct_ring shape = {{begin + outer, 0.0, 0.0},
-                     {outer * between(d, 0.4, 0.8), outer},
-                     1.0,
-                     {1 + below(d, 2), 4 + below(d, kind == CT_HEX20 ? 3 : 20),
-                      1 + below(d, kind == CT_HEX20 ? 1 : 2)}};
-    demand(ct_mesh_create_ring(kind, &shape, &b->plain, &e) == CT_OK, "a ring");
-  } else {
-    ct_box box = any_box(d, kind, begin, r->plain, most);
-    // -- Meshes that match the body before, so that corners meet corners
-    const ct_box *before = number > 0 ? &r->bodies[number - 1].box : &box;
-    int matches = chance(d, 3) && before->cells[0] > 0 &&
-                  (kind == CT_HEX8 || before->cells[1] * before->cells[2] < 12);
-    for (int c = 1; c < 3 && matches; c++)
-      box.cells[c] = before->cells[c], box.size[c] = before->size[c],
-      box.origin[c] = before->origin[c];
-    while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most)
-      box.cells[0] = (box.cells[0] + 1) / 2;
-    b->box = box;
-    tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2],
-         (int)box.layers);
-    demand(ct_mesh_create_box(kind, &box, &b->plain, &e) == CT_OK, "a box");
-    for (int c = 0; c < 3; c++)
-      if (box.cells[c] == 1) b->thin = c;
-  }
-  if (mixed_up) renumber(d, b->plain);
-  keep_sides(r, b, ring || chance(d, 6));
+  int most = kind == CT_HEX20 ? 24 : r->large ? 3000 : 280;
+  ct_box box = any_box(d, kind, begin, r->plain, most);
+  // -- Meshes that match the body before, so that corners meet corners
+  const ct_box *before = number > 0 ? &r->bodies[number - 1].box : &box;
+  int matches = chance(d, 3) && before->cells[0] > 0 &&
+                (kind == CT_HEX8 || before->cells[1] * before->cells[2] < 12);
+  for (int c = 1; c < 3 && matches; c++)
+    box.cells[c] = before->cells[c], box.size[c] = before->size[c],
+    box.origin[c] = before->origin[c];
+  while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most)
+    box.cells[0] = (box.cells[0] + 1) / 2;
+  b->box = box;
+  tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2],
+       (int)box.layers);
+  demand(ct_mesh_create_box(kind, &box, &b->plain, &e) == CT_OK, "a box");
+  for (int c = 0; c < 3; c++)
+    if (box.cells[c] == 1) b->thin = c;
+}
+
+/* A copy of the plain mesh whose nodes are moved by up to `amount`, the same ones in any numbering.
+ */
+static void move_nodes(body *b, double amount, uint64_t salt)
+{
+  ct_error e;
   demand(ct_mesh_create_copy(b->plain, &b->mesh, &e) == CT_OK, "a copy of a mesh");
-  uint64_t salt = salt_of(d);
-  double far = (kind == CT_HEX20 ? 0.03 : 0.15) * ct_mesh_shortest_edge(b->plain);
-  double amount = !r->plain && chance(d, 3) ? between(d, 0.0, far) : 0.0;
   for (int32_t n = 0; n < b->mesh->node_count && amount > 0.0; n++)
     for (int c = 0; c < 3; c++)
       b->mesh->nodes[3 * n + c] +=
           amount * number_of_place(&b->plain->nodes[3 * n], salt + (uint64_t)c);
+}
+
+/* Velocities of single nodes, of a few or of all, around that of the body. */
+static double *any_velocities(dice *d, const body *b, const double velocity[3], uint64_t salt)
+{
+  double *each = room((size_t)b->mesh->node_count, 3 * sizeof *each);
+  uint64_t few = 1 + roll(d) % 40u;
+  for (int32_t n = 0; n < b->mesh->node_count; n++) {
+    const double *place = &b->plain->nodes[3 * n];
+    int moved = of_place(place, salt) % few == 0;
+    for (int c = 0; c < 3; c++)
+      each[3 * n + c] =
+          velocity[c] + (moved ? 0.02 * number_of_place(place, salt + 9 + (uint64_t)c) : 0.0);
+  }
+  return each;
+}
+
+static ct_solid_kernel any_kernel(const run *r, dice *d, ct_brick_kind kind, ct_law law, int bricks)
+{
+  ct_solid_kernel kernels[] = {CT_KERNEL_GENERAL, CT_KERNEL_BOX, CT_KERNEL_REDUCED},
+                  kernel = !r->plain && chance(d, 3) ? kernels[below(d, 3)] : CT_KERNEL_AUTO;
+  if (kernel == CT_KERNEL_BOX && (!bricks || law != CT_LINEAR)) return CT_KERNEL_GENERAL;
+  if (kernel == CT_KERNEL_REDUCED && (kind != CT_HEX8 || law != CT_LINEAR))
+    return CT_KERNEL_GENERAL;
+  return kernel;
+}
+
+static void add_body(run *r, dice *d, int number)
+{
+  body *b = &r->bodies[number];
+  double gaps[] = {0.0, 0.0, 0.01, -0.01, 0.1, 0.3, 4.0};
+  double begin = number == 0 ? 0.5 * real(d) : r->bodies[number - 1].end + gaps[below(d, 7)];
+  ct_brick_kind kind = !r->plain && chance(d, 4) ? CT_HEX20 : CT_HEX8;
+  int ring = !r->plain && chance(d, 8), mixed_up = chance(d, 5);
+  b->thin = -1;
+  if (ring) mesh_ring(b, d, kind, begin);
+  else mesh_box(r, d, number, kind, begin);
+  if (mixed_up) renumber(d, b->plain);
+  keep_sides(r, b, ring || chance(d, 6));
+  uint64_t salt = salt_of(d);
+  double far = (kind == CT_HEX20 ? 0.03 : 0.15) * ct_mesh_shortest_edge(b->plain);
+  double amount = !r->plain && chance(d, 3) ? between(d, 0.0, far) : 0.0;
+  move_nodes(b, amount, salt);
   ct_material material = {between(d, 0.5, 3.0), chance(d, 5) ? 0.0 : between(d, 0.1, 0.4),
                           between(d, 0.5, 2.0),
                           (ct_law)(!r->plain && chance(d, 5) ? 1 + below(d, CT_LAW_COUNT - 1) : 0)};
@@ -228,12 +269,8 @@ static void add_body(run *r, dice *d, int number)
   for (int c = 0; c < 3; c++) velocity[c] = chance(d, 3) ? zeros[below(d, 2)] : 0.08 * real(d);
   if (chance(d, 3))
     velocity[0] = (number % 2 ? -1.0 : 1.0) * between(d, 0.05, 0.4); // at each other
-  ct_solid_kernel kernels[] = {CT_KERNEL_GENERAL, CT_KERNEL_BOX, CT_KERNEL_REDUCED},
-                  kernel = !r->plain && chance(d, 3) ? kernels[below(d, 3)] : CT_KERNEL_AUTO;
-  if (kernel == CT_KERNEL_BOX && (amount > 0.0 || ring || mixed_up || material.law != CT_LINEAR))
-    kernel = CT_KERNEL_GENERAL;
-  if (kernel == CT_KERNEL_REDUCED && (kind != CT_HEX8 || material.law != CT_LINEAR))
-    kernel = CT_KERNEL_GENERAL;
+  ct_solid_kernel kernel =
+      any_kernel(r, d, kind, material.law, !(amount > 0.0 || ring || mixed_up));
   ct_lumping lumping = chance(d, 5) ? CT_LUMP_HRZ : CT_LUMP_DEFAULT;
   tell("  body %d: kind %d, %d elements, ring %d, mixed up %d, moved %g, law %d, kernel %d, "
        "lumping %d, from "
@@ -248,17 +285,8 @@ static void add_body(run *r, dice *d, int number)
                         .velocity = {velocity[0], velocity[1], velocity[2]}};
   if (!r->plain && material.law == CT_LINEAR && chance(d, 8))
     body.stiffness_damping = between(d, 0.0, 0.02);
-  // -- Some nodes, or all of them, have velocities of their own
-  int own = !r->plain && chance(d, 6);
-  double *each = own ? room((size_t)b->mesh->node_count, 3 * sizeof *each) : NULL;
-  uint64_t few = own ? 1 + roll(d) % 40u : 1;
+  double *each = !r->plain && chance(d, 6) ? any_velocities(d, b, velocity, salt) : NULL;
   body.velocities = each;
-  for (int32_t n = 0; own && n < b->mesh->node_count; n++)
-    for (int c = 0; c < 3; c++)
-      each[3 * n + c] = velocity[c] + (of_place(&b->plain->nodes[3 * n], salt) % few == 0
-                                           ? 0.02 * number_of_place(&b->plain->nodes[3 * n],
-                                                                    salt + 9 + (uint64_t)c)
-                                           : 0.0);
   r->status = ct_scene_add_body(r->scene, &body, NULL, &r->error);
   if (r->status == CT_OK) r->body_count++;
   free(each);
