@@ -199,6 +199,9 @@ def laws(level: Level) -> Iterator[Case]:
             for fraction in LAW_FRACTIONS[2:3] if short else LAW_FRACTIONS:
                 keys = {"contact.enforcement": law, "contact.beta": beta, "time.fraction": fraction}
                 yield case("contact", 12 if short else LAW_CELLS, keys)._replace(timed=False)
+    # What the impact law returns of the energy of the stopped layer, and its price in noise.
+    for keys in () if short else (BEST, METHODS["hex20"]):
+        yield case("contact", LAW_CELLS, keys | {"contact.restitution": 0.0})._replace(timed=False)
 
 
 def cases(name: str) -> list[Case]:

@@ -80,6 +80,10 @@ def accuracy() -> Numbers:
             x, y = drawings.values(rows, cases, "cells", column)
             found[f"{name}_{column}_power"] = abs(np.polyfit(np.log(x), np.log(y), 1)[0])
         found[f"{name}_contact"] = rows[campaign.case("contact", 100, keys).name]["contact_l1"]
+    for name, keys in (("hex8", campaign.BEST), ("hex20", campaign.METHODS["hex20"])):
+        for share, change in (("", {}), ("_lost", {"contact.restitution": 0.0})):
+            row = rows[campaign.case("contact", campaign.LAW_CELLS, keys | change).name]
+            found[f"{name}{share}_fig4"] = row["l1_fig4"]
     return found
 
 
