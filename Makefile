@@ -268,13 +268,13 @@ cross_target = $(patsubst $(1)=%,%,$(filter $(1)=%,$(CROSS_TARGETS)))
 WHEELS ?= linux-x86_64 linux-aarch64 musl-x86_64 musl-aarch64 windows-x86_64 macos-x86_64 macos-arm64
 CROSS ?= linux-x86_64 musl-x86_64 musl-aarch64 windows-x86_64 wasm32 wasm32-simd
 # What unwinds a stack for C++ is of no use in a wheel. What runs once a run or for output is compiled for size, and of contact's loops
-# only the products gain if they are unrolled.
+# those are unrolled that gain most for their size: products, those of friction, too, and what looks for the nearest face of a point.
 CROSS_OPT = -O3 $(NO_PAIRS) -g0 -fno-asynchronous-unwind-tables -fno-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
 FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(addprefix solid/,below blocks bound element stress part call sleep) \
   $(addprefix projection/,nelder_mead simplex simplex_newton bfgs broyden steepest_descent sphere torus certified least_squares patch iterate ray) \
   $(addprefix step/,probe piece bisect state monitor energy) $(addprefix effect/,tie rigid load absorb rotation) contact/traction
-NOT_UNROLLED := contact/% gap/% projection/proof projection/robust% effect/viscosity \
-  $(addprefix constraint/,active law matrix solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_matrix tangent_settle)
+NOT_UNROLLED := contact/% gap/tunnelling gap/warm projection/proof projection/robust% effect/viscosity \
+  $(addprefix constraint/,active law matrix solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_settle)
 FOR_WHEELS = $(if $(findstring -DCT_OWN_RUNTIME,$(CFLAGS)),$(1))
 $(FOR_SIZE:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-Os)
 $(NOT_UNROLLED:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-fno-unroll-loops)

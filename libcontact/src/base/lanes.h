@@ -98,12 +98,14 @@ CT_INLINE void ct_turn(const double *const from[4], double *const to[4])
 #define CT_CLONES
 #endif
 
-/* A kernel that runs for output, or once an element, or once a step for nodes of surfaces: in
- * wheels, which have to be small, one version, compiled for size. */
+/* Kernels that have one version in wheels, which have to be small: one that runs for output, or
+ * once an element, compiled for size; and one that runs once a step for nodes. */
 #if defined(CT_OWN_RUNTIME)
 #define CT_CLONES_RARE __attribute__((minsize))
+#define CT_CLONES_NODES
 #else
 #define CT_CLONES_RARE CT_CLONES
+#define CT_CLONES_NODES CT_CLONES
 #endif
 
 /* A loop whose choices run in lanes: the compiler may compute both sides of each. No result depends

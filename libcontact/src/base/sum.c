@@ -64,7 +64,7 @@ CT_INLINE double farthest(int64_t count, const double *rows, const double *from,
   return sqrt(top);
 }
 
-CT_CLONES_RARE
+CT_CLONES_NODES
 double ct_farthest(int64_t count, const double *rows, const double *from, const double origin[3])
 {
   return from == NULL ? farthest(count, rows, NULL, origin) : farthest(count, rows, from, origin);

@@ -368,7 +368,7 @@ static void list_active_nodes(ct_solver *s)
 /* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. A
  * piece that has a node of a rigid body with rows has all of them, whose forces move all of the
  * body. */
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void list_shared_nodes(ct_solver *s)
 {
   const double one = 4294967296.0; // a piece, as a number that no count of rows reaches

@@ -144,7 +144,7 @@ static ct_status refuse(const ct_contact *contact, ct_error *error)
 }
 
 /* The coordinates of the nodes of side `s`, from those of the interaction at their places. */
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void take_places(ct_contact *contact, int s, const double *x)
 {
   const ct_gaps_fixed *fixed = contact->gaps.fixed;
@@ -227,7 +227,7 @@ static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constrain
 }
 
 /* Sum of the forces of all surfaces on each node. */
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void add_sides(const ct_contact *contact, double *force)
 {
   const ct_gaps_fixed *fixed = contact->gaps.fixed;

@@ -19,7 +19,7 @@ static const ct_interaction *interaction_of(const ct_effect *effect)
 }
 
 /* Coordinates and velocities of the interaction's nodes. */
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void gather(const ct_effect *effect, const ct_view *view)
 {
   ct_touch_scratch *s = view->scratch;

@@ -1,6 +1,7 @@
 /* One pass of the contact: the Gauss points of one side against the faces of the other. */
 #include "pass.h"
 
+#include "../base/lanes.h"
 #include "../base/threads.h"
 
 #include <math.h>
@@ -329,8 +330,8 @@ static int begin(const ct_pass *p, int64_t i, int same_side, double most, neares
 }
 
 /* Try a face if its box is as near as the nearest one. */
-static void try_box(const ct_pass *p, int64_t i, int32_t target, const double *start,
-                    const double y[3], nearest *best)
+CT_INLINE void try_box(const ct_pass *p, int64_t i, int32_t target, const double *start,
+                       const double y[3], nearest *best)
 {
   const double reach = best->distance < best->most ? best->distance : best->most,
                distance = ct_bounds_distance(&p->other->search->boxes[target], y);

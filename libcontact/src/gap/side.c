@@ -206,7 +206,7 @@ double ct_side_rounding(const ct_side *sides, int count)
   return 64.0 * DBL_EPSILON * far;
 }
 
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void place(int64_t count, double *restrict moved, double *restrict x)
 {
 #pragma omp simd

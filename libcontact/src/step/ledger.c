@@ -13,7 +13,7 @@ static int32_t row_of(const ct_workspace *w, ct_moved piece, int32_t i)
   return ct_row_length(&w->shared[i], piece.shared_last - i);
 }
 
-CT_CLONES_RARE
+CT_CLONES_NODES
 void ct_ledger_keep(const ct_state *state, ct_moved piece, double *sum, double *work)
 {
   const int32_t *nodes = state->workspace->shared;
@@ -28,7 +28,7 @@ void ct_ledger_keep(const ct_state *state, ct_moved piece, double *sum, double *
   }
 }
 
-CT_CLONES_RARE
+CT_CLONES_NODES
 void ct_ledger_correct(ct_state *state, double share, ct_moved piece, const double *work,
                        double *sum)
 {

@@ -385,7 +385,7 @@ ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct
 
 /* Copy the rows of `values` of some nodes to a list, or back. Nodes with consecutive numbers are
  * copied together. */
-CT_CLONES_RARE
+CT_CLONES_NODES
 static void pass_rows(int64_t count, const int32_t *nodes, int back, double *restrict values,
                       double *restrict list)
 {
