@@ -54,29 +54,41 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   t->shift = ct_pool_take(pool, 2 * (size_t)s->most, sizeof *t->shift);
 }
 
-/* Limits of normal forces; returns the largest. */
+/* Limits of normal forces; returns the largest, and whether all are above 0. */
 CT_CLONES
 static double find_limits(int64_t count, const double *mu, const double *force,
-                          double *restrict limit)
+                          double *restrict limit, int *all)
 {
-  double top = 0.0;
-#pragma omp simd reduction(max : top)
+  double top = 0.0, least = HUGE_VAL;
+#pragma omp simd reduction(max : top) reduction(min : least)
   for (int64_t j = 0; j < count; j++) {
     const double own = mu[j] * force[j];
     limit[j] = own;
     top = own > top ? own : top;
+    least = own < least ? own : least;
   }
+  *all = least > 0.0;
   return top;
 }
 
-/* The limits of the present normal forces. The last forces may lie outside the new sets. */
-static void fix_limits(ct_solver *s)
+/* The sets of the present normal forces. The last forces may lie outside of them; those of groups
+ * that do not press are 0. */
+static void fix_sets(ct_solver *s, int pass)
 {
   ct_tangent *t = s->tangent;
   const int alone = t->active && s->count == s->point_count; // no point has a second force
+  int all;
   for (int64_t j = 0; !alone && j < t->count; j++) t->terms[j] = t->rows[j]->force;
-  t->top = find_limits(t->count, t->mu, alone ? s->force : t->terms, t->limit);
+  t->top = find_limits(t->count, t->mu, alone ? s->force : t->terms, t->limit, &all);
   ct_pieces_largest(s->pieces, &t->top, 1);
+  for (int64_t i = 0; i < t->group_count && !(all && pass == 0); i++) {
+    ct_tangent_group *g = &t->groups[i];
+    g->presses = pass > 0 && g->presses;
+    for (int32_t r = 0; r < g->rows && !g->presses; r++) g->presses = t->limit[g->first + r] > 0.0;
+  }
+  ct_tangent_find_last(s);
+  ct_tangent_fix_chords(t);
+  t->allowed = 0;
 }
 
 /* One component of q = D + e_n + κ e_{n-1} without friction (eq:slip-residual), from D. */
@@ -200,8 +212,7 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
 {
   ct_tangent *t = s->tangent;
   if (!t->some) return 1;
-  if (pass == 0) ct_tangent_fix_chords(t);
-  if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s);
+  if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_sets(s, pass);
   if (!find_drift(s)) return 0;
   if (pass == 0) ct_tangent_start(s);
   const int converged = find_forces(s);

@@ -144,11 +144,13 @@ static void bound_all(const ct_tangent *t)
 CT_CLONES
 static void find_extremes(const ct_solver *s, double m[2])
 {
+  const double *bound = s->bound;
+  const int64_t count = s->point_count;
   double mobile = 0.0, least = HUGE_VAL;
   for (int32_t k = 0; k < s->active_node_count; k++)
     for (int c = 0; c < 3; c++) mobile = ct_larger(s->mobility[s->active_nodes[k] + c], mobile);
 #pragma omp simd reduction(min : least)
-  for (int64_t r = 0; r < s->point_count; r++) least = s->bound[r] < least ? s->bound[r] : least;
+  for (int64_t r = 0; r < count; r++) least = bound[r] < least ? bound[r] : least;
   m[0] = mobile, m[1] = -least;
 }
 

@@ -81,17 +81,6 @@ static void compare(int64_t count, const double *from, const double *to, double 
   size[1] = top > size[1] ? top : size[1];
 }
 
-/* Whether all forces are in their sets. */
-static int are_allowed(const ct_solver *s)
-{
-  const ct_tangent *t = s->tangent;
-  double size[2] = {0.0, 0.0};
-  project(t, &t->T, &t->next);
-  for (int c = 0; c < 3; c++) compare(t->count, t->T.x[c], t->next.x[c], size);
-  ct_pieces_largest(s->pieces, size, 1);
-  return size[0] == 0.0;
-}
-
 /* The slips of the step, and the forces `aim` to which a unit step down them leads, before their
  * projection. Writes the largest change of a force by this after a projection on discs alone, and
  * the largest force then, at least the given one; NaN if one is. Returns whether a force is beyond
@@ -182,6 +171,7 @@ static void take_aim(ct_solver *s)
   t->most_force = project(t, &t->aim, &t->T);
   ct_pieces_largest(s->pieces, &t->most_force, 1);
   t->pushed = t->current = t->shifted = 0;
+  t->allowed = 1;
 }
 
 /* Take the forces of a step. */
@@ -216,8 +206,9 @@ static void start_at(const ct_tangent *t)
 void ct_tangent_start(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  if (s->starts) return;
-  start_at(t);
+  if (!s->starts) start_at(t);
+  for (int c = 0; c < 3 && s->starts; c++)
+    ct_copy(t->aim.x[c], t->T.x[c], (size_t)t->count * sizeof(double));
   take_aim(s);
 }
 
@@ -232,8 +223,11 @@ int ct_tangent_iterate(ct_solver *s, double least)
     ct_pieces_largest(s->pieces, size, 2);
     if (!isfinite(size[0])) return -1;
     t->size_of_force = size[1];
-    const int is_solved = size[0] <= tolerance * size[1] && (k > 0 || are_allowed(s));
-    if (is_solved || k == t->most_rounds) return k;
+    const int is_solved = size[0] <= tolerance * size[1] && t->allowed;
+    if (is_solved || k == t->most_rounds) {
+      ct_tangent_apply_rest(t);
+      return k;
+    }
     take_step(s, step_of(t, k, &rho));
   }
 }

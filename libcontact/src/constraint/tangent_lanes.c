@@ -77,7 +77,7 @@ double ct_tangent_fill(const ct_tangent *t)
   for (ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
     ct_constraint *const *r = &t->rows[g->first];
     double *to = &t->lanes[CT_TANGENT_LANES * g->first];
-    g->together = stand_together(g, r, t->one_run);
+    g->together = (int8_t)stand_together(g, r, t->one_run);
     if (g->together) fill_four(r, to);
     if (g->together && g->other > 0) square_four(to, four);
     for (int32_t j = 0; !g->together && j < g->rows; j++, to += CT_TANGENT_LANES) {

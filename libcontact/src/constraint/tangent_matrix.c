@@ -113,8 +113,10 @@ CT_INLINE void move_row(const ct_tangent *t, const ct_tangent_group *g, int64_t 
   if (gaps != NULL) gaps[j] = gap;
 }
 
+/* The motion of all groups that press, and 0 in others; or if `presses` is 0 of the others. */
 CT_CLONES
-static void move_rows(const ct_tangent *t, const double *x, const ct_columns *out, double *gaps)
+static void move_rows(const ct_tangent *t, int presses, const double *x, const ct_columns *out,
+                      double *gaps)
 {
   const ct_columns normal = t->normal,
                    to = *out; // local: no number that is written is part of them
@@ -122,6 +124,11 @@ static void move_rows(const ct_tangent *t, const double *x, const ct_columns *ou
   for (const ct_tangent_group *g = t->groups, *end = g + t->group_count; g < end; g++) {
     const int64_t j = g->first;
     const double *lanes = &all[LANES * j];
+    if (g->presses != presses) {
+      for (int c = 0; c < 3 && presses; c++)
+        memset(&to.x[c][j], 0, (size_t)g->rows * sizeof(double));
+      continue;
+    }
     if (g->together && g->other == 4) move_four(4, g->place, lanes, &normal, j, x, &to, gaps);
     else if (g->together) move_four(0, g->place, lanes, &normal, j, x, &to, gaps);
     else
@@ -131,7 +138,7 @@ static void move_rows(const ct_tangent *t, const double *x, const ct_columns *ou
 
 void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *out)
 {
-  move_rows(t, x, out, NULL);
+  move_rows(t, 1, x, out, NULL);
 }
 
 /* Add a force to the sums of a node, or subtract it, as multiples of the grids' spacings: these
@@ -245,6 +252,7 @@ static void push_groups(const ct_tangent *t, const ct_tangent_group *g, const ct
   for (; g < end; g++) {
     const int64_t j = g->first;
     const double *lanes = &all[LANES * j];
+    if (!g->presses) continue;
     if (g->together && g->other == 4) push_four(&grid, 4, g->place, lanes, &T, j, sums);
     else if (g->together) push_four(&grid, 0, g->place, lanes, &T, j, sums);
     else
@@ -315,7 +323,12 @@ int ct_tangent_apply(ct_solver *s)
   ct_tangent *t = s->tangent;
   if (t->current) return 1;
   if (!ct_tangent_push(s)) return 0;
-  move_rows(t, t->moved, &t->image, t->coupled ? t->opened : NULL);
+  move_rows(t, 1, t->moved, &t->image, t->coupled ? t->opened : NULL);
   t->current = 1;
   return 1;
+}
+
+void ct_tangent_apply_rest(const ct_tangent *t)
+{
+  if (t->coupled && t->pushed) move_rows(t, 0, t->moved, &t->image, t->opened);
 }

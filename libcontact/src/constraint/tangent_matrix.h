@@ -36,7 +36,7 @@ static const int CT_TANGENT_ROW[4] = {0, CT_ROWS ? 3 : 1, CT_ROWS ? 1 : 2, CT_RO
 double ct_tangent_fill(const ct_tangent *tangent);
 
 /* `out` = motion of each point relative to its partner, in the plane of contact, for a vector at
- * nodes. */
+ * nodes; 0 in groups that do not press. */
 void ct_tangent_motion(const ct_tangent *tangent, const double *x, const ct_columns *out);
 
 /* Add to some components of the sums at nodes those of the other pieces. */
@@ -56,8 +56,13 @@ int ct_tangent_push_all(ct_solver *solver);
 /* Write the sums of the forces T at nodes for those who have listed the rows. */
 void ct_tangent_give(ct_solver *solver);
 
-/* `image` = W times the forces T, if it is not current. Returns 0 if they are not finite. */
+/* `image` = W times the forces T, if it is not current, as `ct_tangent_motion`. Returns 0 if they
+ * are not finite. */
 int ct_tangent_apply(ct_solver *solver);
+
+/* The same in the groups that do not press, if gaps follow the forces; it is known if their motion
+ * is not, which then was shortened. */
+void ct_tangent_apply_rest(const ct_tangent *tangent);
 
 /* The bound of each row of W becomes `scale`, to be widened (eq:slip-bound, eq:slip-bound-couples).
  * Returns 0 if it is not finite. */

@@ -115,7 +115,7 @@ static int list_rows(ct_solver *s)
       if (of.count == first) continue;
       t->rows[first]->slip->of->place = &s->place[s->first_node[k]];
       *own++ = (ct_tangent_group){
-          first, &s->entry_place[g->place], (int32_t)(of.count - first), g->own, g->other, 0};
+          first, &s->entry_place[g->place], (int32_t)(of.count - first), g->own, g->other, 0, 1};
     }
   t->count = of.count;
   t->group_count = own - t->groups;
@@ -201,8 +201,7 @@ void ct_tangent_take_off(const ct_tangent *t, int next, const ct_columns *motion
   }
 }
 
-/* The motion D₋ of the last step, along the present rows (eq:slip-set). */
-static void find_last(ct_solver *s)
+void ct_tangent_find_last(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   for (int c = 0; c < 3 && s->starts; c++)
@@ -225,5 +224,4 @@ void ct_tangent_list(ct_solver *s)
   if (!t->some) return;
   t->couple = ct_tangent_fill(t);
   list_nodes(s);
-  find_last(s);
 }

@@ -20,7 +20,8 @@ typedef struct ct_tangent_group {
   int64_t first;            /* row */
   const int32_t *place;     /* of the nodes in vectors at nodes */
   int32_t rows, own, other; /* numbers of rows, and of nodes of both faces */
-  int together;             /* whether they are four rows that are computed side by side */
+  int8_t together;          /* whether they are four rows that are computed side by side */
+  int8_t presses; /* whether a limit is or was above 0 in this step; other rows have no force */
 } ct_tangent_group;
 
 typedef struct ct_tangent {
@@ -79,6 +80,7 @@ typedef struct ct_tangent {
   int coupled;          /* whether normal and tangential forces change each other's motion */
   int pushed;           /* whether `cut` and `moved` are those of T */
   int current;          /* whether `image` is that of T */
+  int allowed;          /* whether all forces are known to be in their sets */
   int shifted;          /* whether `shift` is that of T */
   double top;           /* the largest limit */
   double most_force;    /* a bound of the components of the forces, of all pieces */
@@ -112,8 +114,11 @@ int64_t ct_tangent_run(const ct_tangent *tangent, int64_t j);
  * points. */
 void ct_tangent_take_off(const ct_tangent *tangent, int next, const ct_columns *motion);
 
-/* List the active rows with friction, and those with a given force, with the motion of the last
- * step and the force of the guess; the points of other rows are open. */
+/* List the active rows with friction, and those with a given force, with the force of the guess;
+ * the points of other rows are open. */
 void ct_tangent_list(ct_solver *solver);
+
+/* Find the motion D₋ of the last step, along the present rows (eq:slip-set). */
+void ct_tangent_find_last(ct_solver *solver);
 
 #endif
