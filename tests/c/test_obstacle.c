@@ -77,10 +77,17 @@ static void operations(void)
 
 /* The bound of the largest ω² for blocks of one element: each corner has a quarter of the face and
  * an eighth of the mass, and shape functions of linear faces add up to 1 (eq:obstacle-bound). A
- * small sphere adds the whole face, a large one nothing (eq:station-needed, eq:station-bound). */
-static void stiffness(ct_obstacle_shape shape, double radius, double faces)
+ * small sphere adds the whole face, a large one nothing, however the block is turned about z
+ * (eq:station-needed, eq:station-bound). */
+static void stiffness(ct_obstacle_shape shape, double radius, double angle, double faces)
 {
-  against t = begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 1, 1, 1), &SOFT, 0.0, 0.0, 0.0);
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 1, 1, 1);
+  for (double *x = mesh->nodes; x < mesh->nodes + 3 * mesh->node_count; x += 3) {
+    const double X = x[0];
+    x[0] = cos(angle) * X - sin(angle) * x[1];
+    x[1] = sin(angle) * X + cos(angle) * x[1];
+  }
+  against t = begin(mesh, &SOFT, 0.0, 0.0, 0.0);
   add_obstacle(&t,
                (ct_obstacle_def){COOKIE, .shape = shape, .point = {0.5, 1.0, -radius},
                                  .axis = {0, 0, 1}, .radius = radius, .epsilon = 700.0},
@@ -93,7 +100,7 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   must(effect->calls->bounds.omega2, effect, &view, &omega2);
   effect->calls->free_scratch(view.scratch);
   tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
-            "largest omega^2 of one face, R = %g", radius);
+            "largest omega^2 of one face turned by %g, R = %g", angle, radius);
 }
 
 /* Signed distance of a point from an obstacle at t = 0. */
@@ -715,9 +722,11 @@ int main(void)
   free_at_end();
   operations();
   const double h = sqrt(2.5); // the diagonal of the face over the root of 2
-  stiffness(CT_OBSTACLE_PLANE, 0.0, 0.25);
-  stiffness(CT_OBSTACLE_SPHERE, 1.49 * h, 1.25);
-  stiffness(CT_OBSTACLE_SPHERE, 1.51 * h, 0.25);
+  stiffness(CT_OBSTACLE_PLANE, 0.0, 0.0, 0.25);
+  for (int i = 0; i < 2; i++) {
+    stiffness(CT_OBSTACLE_SPHERE, 1.49 * h, 0.7 * i, 1.25);
+    stiffness(CT_OBSTACLE_SPHERE, 1.51 * h, 0.7 * i, 0.25);
+  }
   gaps();
   gradient(CT_HEX8, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}},
            "plane, Q4");

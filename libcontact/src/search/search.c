@@ -73,16 +73,26 @@ static void find_neighbours(ct_search *search)
     }
 }
 
+/* The largest distance of two nodes of a face, however the face is turned. */
+static double diameter(const ct_face *face, int per)
+{
+  double most = 0.0;
+  for (int a = 0; a < per; a++)
+    for (int b = 0; b < a; b++) {
+      double d[3];
+      for (int c = 0; c < 3; c++) d[c] = face->node[a][c] - face->node[b][c];
+      most = fmax(most, ct_vector_dot(d, d));
+    }
+  return sqrt(most);
+}
+
 /* Refuse faces without area, and find the size of the largest one. */
 static ct_status measure(ct_search *search, int body, ct_error *error)
 {
   for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;
     ct_search_face(search, f, &face);
-    const ct_bounds *box = &search->boxes[f];
-    double edge[3] = {box->high[0] - box->low[0], box->high[1] - box->low[1],
-                      box->high[2] - box->low[2]};
-    double size = sqrt(ct_vector_dot(edge, edge));
+    double size = diameter(&face, search->per);
     search->size = fmax(search->size, size);
     if (!(ct_segment_area_element(&face, ct_search_middle(search)) > 1e-14 * size * size))
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, -1},

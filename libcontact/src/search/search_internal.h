@@ -23,7 +23,7 @@ struct ct_search {
   int32_t *faces;         /* numbers in `nodes`, shape (face_count, per) */
   int32_t *neighbour;     /* face across each edge, -1 at the border, shape (face_count, edges) */
   ct_incidence incidence; /* of nodes in the list of faces: position / per is a face */
-  double size;            /* largest diagonal of a face's reference box */
+  double size;            /* largest distance of two nodes of a face in the reference shape */
   double *x;              /* current coordinates, shape (node_count, 3), and one number more */
   ct_bounds *boxes;       /* current boxes of the faces */
   /* For a surface that is searched, else null: */
