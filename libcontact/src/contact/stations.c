@@ -36,8 +36,9 @@ ct_status ct_stations_init(ct_obstacle *obstacle, ct_error *error)
   gaps->sides = 2;
   // -- Half a width apart, over one and a half times the size of the surface (eq:station-axis)
   if (kind->direction != NULL) {
-    obstacle->station_spacing = fmax(0.5 * narrowest, 1.5 * diagonal / (double)MOST_STATIONS);
-    gaps->side[1].point_count = 1 + (int64_t)ceil(1.5 * diagonal / obstacle->station_spacing);
+    obstacle->station_spacing = fmax(0.5 * narrowest, 1.5 * diagonal / (MOST_STATIONS - 4));
+    // An odd number: one is at the mean, whatever the diagonal, which depends on how all is turned.
+    gaps->side[1].point_count = 1 + 2 * (int64_t)ceil(0.75 * diagonal / obstacle->station_spacing);
   }
   gaps->point_count += gaps->side[1].point_count;
   return CT_OK;
