@@ -352,6 +352,12 @@ static void refusals(void)
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_UNSUPPORTED &&
              e.body == 1,
          "hex20 is refused: %s", e.text);
+  ct_material large = STEEL;
+  large.law = CT_NEO_HOOKEAN;
+  ct_scene *turning = new_scene_with("brick", m, &large, CT_KERNEL_AUTO, 0, 0, 0);
+  tap_ok(ct_viscosity_create_effect(&options, join_scene(turning), &effect, &e) ==
+             CT_ERROR_UNSUPPORTED,
+         "large strain is refused: %s", e.text);
   options.bodies = none, options.body_count = 1;
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "an unknown body: %s", e.text);

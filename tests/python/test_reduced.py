@@ -183,6 +183,16 @@ def test_viscosity_that_cannot_be_is_refused(table, reason):
         block().add("viscosity", **table).set_time(end=1e-6, fraction=0.9).explain()
 
 
+def test_viscosity_is_for_small_rotations():
+    """A cube that spins would lose its spin: the volume of the reference shape seems to shrink at 2 ω sin φ."""
+    scene = block().set_time(end=1e-6).add("viscosity")
+    scene.explain()
+    turning = scene.data
+    turning["material"][0]["law"] = "neo_hookean"
+    with pytest.raises(ct.SceneError, match=r'viscosity.bodies.*"linear".*"neo_hookean"'):
+        ct.Scene(turning).explain()
+
+
 def test_viscosity_is_for_hex8():
     with pytest.raises(ct.SceneError, match="viscosity.bodies.*hex20"):
         block(element="hex20").add("viscosity").set_time(end=1e-6, fraction=0.9).explain()

@@ -271,17 +271,20 @@ def acts_on(effect: Any, name: str) -> bool:
 
 
 def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
-    """Refuse viscosity for quadratic elements, damping by stiffness for large strain, and a load along the
-    thickness of a body with the plane kernel."""
+    """Refuse viscosity for quadratic elements, viscosity and damping by stiffness for large strain, and a load
+    along the thickness of a body with the plane kernel."""
     if added.name == "viscosity" and not FACTS[body.bricks or "hex8"].trilinear:
         yield (
             f"{added.key}.bodies",
             f'"{body.name}" is of {body.bricks}; bulk viscosity is for hex8',
         )
     law = parts.materials_of(body)[0].law
+    small = f'is for the law "linear", and "{body.name}" has "{law}"; '
     if added.name == "damping" and added.given.stiffness and law != "linear":
-        why = f'is for the law "linear", and "{body.name}" has "{law}"; give a rate, or name other bodies in "bodies"'
-        yield f"{added.key}.stiffness", why
+        yield f"{added.key}.stiffness", small + 'give a rate, or name other bodies in "bodies"'
+    if added.name == "viscosity" and law != "linear":
+        why = 'use [damping], or name other bodies in "bodies"'
+        yield f"{added.key}.bodies", f"bulk viscosity {small}{why}"
     if added.name == "viscosity" and len(body.material_names) > 1:
         why = "has several materials; bulk viscosity is for bodies of one"
         yield f"{added.key}.bodies", f'"{body.name}" {why}'

@@ -290,8 +290,8 @@ CT_API ct_viscosity_def ct_viscosity_def_default(void);
 
 /**
  * Create the effect "viscosity". `problem` comes from `ct_scene_join`. ``CT_ERROR_UNSUPPORTED``:
- * the elements of a body are not hex8. ``CT_ERROR_ARGUMENT``: a coefficient is negative, both are
- * 0, or a body is unknown or listed twice.
+ * the elements of a body are not hex8, or its law is not CT_LINEAR. ``CT_ERROR_ARGUMENT``: a
+ * coefficient is negative, both are 0, or a body is unknown or listed twice.
  */
 CT_API ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
                                             ct_effect **effect, ct_error *error);

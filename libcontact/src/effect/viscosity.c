@@ -226,6 +226,13 @@ static ct_status prepare_body(viscous_data *d, const ct_body *from, const double
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "viscosity: body %s has several materials; bulk viscosity needs one",
                    from->name);
+  // The rate of the volume is that of the reference shape: there a
+  // rotation by a finite angle seems to be a compression.
+  if (from->material.law != CT_LINEAR)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "viscosity: body %s has a law for large strain; bulk viscosity is for small "
+                   "strain and rotation",
+                   from->name);
   *body = (viscous_body){.mesh = from->mesh,
                          .density = from->material.density,
                          .linear = d->linear,

@@ -13,7 +13,8 @@ from . import OnBodies
 
 
 class Viscosity(OnBodies):
-    """A pressure with a part proportional to the strain rate and a part proportional to its square.
+    """A pressure with a part proportional to the strain rate and a part proportional to its square, for bodies with the
+    law ``"linear"``.
 
     Attributes
     ----------
