@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -9,15 +10,26 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, ELASTIC, Row, caused, classify, material, rise, scene
+from lab import (
+    DEFAULT,
+    ELASTIC,
+    GROWTH,
+    TOLD,
+    Row,
+    caused,
+    classify,
+    is_told,
+    material,
+    rise,
+    scene,
+)
 
 import libcontact as ct
 
 YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
-# Largest spurious energy, as a fraction of the work put in; and the depth of a corner inside another part
-# of the body, as a fraction of the line to the centre of its element: 0.4 of an element, of which the
-# Gauss points miss the first 0.3 (chapter "Contact").
-GROWTH, DEEP = 0.002, 0.8
+# Depth of a corner inside another part of the body, as a fraction of the line to the centre of its element: 0.4 of an
+# element, of which the Gauss points miss the first 0.3 (chapter "Contact").
+DEEP = 0.8
 # The energy of a leapfrog oscillates slightly at large strain; a larger rise after a loss is growth, too.
 # It also loses some: a fold of linear elements loses less than a tenth of this.
 LATE, MAY_LOSE = 0.01, 0.02
@@ -103,6 +115,13 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
             + (f"; {row.note}" if row.note else "")
         )
     row.curve = {}
+
+    def left() -> float:
+        half = folded(case, made, 0.5 * fraction, end)
+        return half.energy if half.good else math.inf
+
+    if row.by_leapfrog and (told := is_told(row.warned, row.made, left)):
+        row.verdict = f"{TOLD}{row.verdict}{told}"
     return row
 
 

@@ -64,7 +64,7 @@ def surprises(rows: list[lab.Row]) -> list[lab.Row]:
 def as_expected(row: lab.Row) -> bool:
     """Whether a row passes, or need not: where the leapfrog may gain energy it also may not."""
     if row.expected == "leapfrog":
-        return row.good or row.by_leapfrog
+        return row.good or row.told or row.by_leapfrog
     return row.good == (row.expected == "passes")
 
 
@@ -113,6 +113,7 @@ def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
                 "nodes / h": worst["nodes"],
                 "momentum": worst["momentum"],
                 "passes": f"{sum(row.good for row in own)} of {len(own)}",
+                "told": str(sum(row.told for row in own) or ""),
                 "leapfrog": str(sum(row.by_leapfrog for row in own) or ""),
             }
         )
@@ -169,7 +170,7 @@ def main() -> int:
     odd = surprises(rows)
     default = [row for row in rows if row.enforcement == lab.DEFAULT]
     print(
-        f"\n{len(rows)} rows; the default enforcement passes {sum(row.good for row in default)} of {len(default)}; {len(odd)} rows end otherwise than expected"
+        f"\n{len(rows)} rows; the default enforcement passes {sum(row.good for row in default)} of {len(default)}, {sum(row.told for row in default)} are told; {len(odd)} rows end otherwise than expected"
     )
     for row in odd:
         print("  " + lab.line(row))

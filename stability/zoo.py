@@ -34,7 +34,7 @@ import inside  # noqa: E402
 import numpy as np  # noqa: E402
 import stage as stages  # noqa: E402
 from animals import ONE_AT_A_TIME, Animal, Options, runs  # noqa: E402
-from lab import booked, rise  # noqa: E402
+from lab import GROWTH, booked, is_told, kinds, rise  # noqa: E402
 from stage import Stage  # noqa: E402
 
 import libcontact as ct  # noqa: E402
@@ -43,9 +43,6 @@ BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
 RECORDS = 150
 # Every how many of them bodies are searched for elements of others.
 LOOK = 25
-# Largest growth of the bodies' own energy over the start and the external work. What contacts may make where that of
-# the leapfrog is told.
-GROWTH, MADE = 0.002, 1e-9
 # Largest difference of bounce (of the speed), of place (of the way at that speed) and of peak force (of
 # itself) between a scene and the same one with held bodies for obstacles, with whole skins for faces, and with
 # the explicit law at a tenth of the step. An impact stops the layer of nodes at the surface, which has 1 / 2n
@@ -107,6 +104,7 @@ class Answer:
     inside: int
     warned: str
     beside: bool  # whether other faces touched than the named ones
+    aside: float  # impulse of points of named faces on other faces
     made: float  # rise of the books of contacts and obstacles
 
     def bounce(self, names: list[str]) -> np.ndarray:
@@ -143,10 +141,9 @@ def play(stage: Stage, title: str, named: tuple[stages.Touch, ...] = ()) -> Answ
     with booked() as books, warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         run = made.run(progress=False, output=False, watch=depth)
-    kinds = sorted({getattr(one.message, "kind", type(one.message).__name__) for one in told})
     fraction = problem.dt / problem.stable.dt_without_contact
-    found = depth.deepest, depth.inside, ", ".join(kinds), depth.beside, rise(np.array(books)[:, 0])
-    return Answer(run, problem.step_count, fraction, *found)
+    found = depth.deepest, depth.inside, kinds(told), depth.beside, depth.aside
+    return Answer(run, problem.step_count, fraction, *found, rise(np.array(books)[:, 0]))
 
 
 class TooSlow(Exception):
@@ -158,12 +155,12 @@ class TooSlow(Exception):
 
 class Depth:
     """The deepest node of a body in an obstacle, or the deepest point of a small obstacle in a body, in h;
-    the number of elements whose centre is in another body; and whether faces touch that are not named, as those of
-    a body that bulges."""
+    the number of elements whose centre is in another body; whether faces touch that are not named, as those of
+    a body that bulges; and the impulse of points of the named ones that meet such faces, over a border."""
 
     def __init__(self, stage: Stage, named: tuple[stages.Touch, ...]):
         self.stage, self.deepest, self.inside, self.records = stage, 0.0, 0, 0
-        self.h, self.named, self.beside = stage.h, named, False
+        self.h, self.named, self.beside, self.aside, self.last = stage.h, named, False, 0.0, 0.0
         self.others: list[list[np.ndarray]] = []
 
     def __call__(self, run: ct.Run) -> None:
@@ -182,7 +179,11 @@ class Depth:
         for sides, points in zip(self.others, run.contact):
             pressed = points[points["raw_pressure"] > 0]
             for side, other in enumerate(sides):
-                self.beside |= bool(other[pressed["face"][pressed["side"] == side]].any())
+                own = pressed[pressed["side"] == side]
+                met = own[sides[1 - side][own["other"]]]
+                self.beside |= bool(other[own["face"]].any())
+                self.aside += float(met["raw_pressure"] @ met["weight"]) * (now - self.last)
+        self.last = now
         if self.records % LOOK == 0:
             self.look(run)
         self.records += 1
@@ -235,38 +236,43 @@ def free(stage: Stage) -> list[str]:
 
 
 def difference(
-    kind: str, animal: Animal, one: list[Answer], two: list[Answer]
+    kind: str, animal: Animal, *forms: list[Answer], aside: float = 0.0
 ) -> tuple[float, str]:
-    """The largest difference of two means over its tolerance, and what differs. Of several runs, the means are
-    known to ``ERRORS`` standard errors, which do not count."""
+    """The largest distance of the mean of the first form from the range of those of the others over its tolerance, with
+    what comes on top, and what differs. Of several runs, the means are known to ``ERRORS`` standard errors, which do
+    not count."""
     names = free(animal.stage)
     end = animal.stage.time["end"]
     way = max(animal.length, animal.speed * end)
-    p, q = ([run.peak(names, animal.stage.layer) for run in runs] for runs in (one, two))
+    peaks = [[run.peak(names, animal.stage.layer) for run in runs] for runs in forms]
     # A force that stops the scene within the run is the least that counts.
-    force = max(np.mean(p), np.mean(q), 2 * animal.scale / animal.speed / end)
+    force = max(*(np.mean(p) for p in peaks), 2 * animal.scale / animal.speed / end)
     v, x, f = (
-        apart(a, b) / unit
-        for a, b, unit in (
-            (*([run.bounce(names) for run in runs] for runs in (one, two)), animal.speed),
-            (*([run.place(names) for run in runs] for runs in (one, two)), way),
-            (p, q, force),
+        apart(*values) / unit
+        for values, unit in (
+            ([[run.bounce(names) for run in runs] for runs in forms], animal.speed),
+            ([[run.place(names) for run in runs] for runs in forms], way),
+            (peaks, force),
         )
     )
-    layer = 0.5 / animal.layers if kind == "tiny" else 0.0
+    more = aside + (0.5 / animal.layers if kind == "tiny" else 0.0)
     parts = [
-        (value / (limit + layer), f"{word} differs by {100 * value:.3g} %")
+        (value / (limit + more), f"{word} differs by {100 * value:.3g} %")
         for value, limit, word in zip((v, x, f), TOLERANCE[kind], ("bounce", "place", "peak force"))
     ]
     return max(parts)
 
 
-def apart(one: list[Any], two: list[Any]) -> float:
-    """The largest difference of two means, less what their samples leave open."""
-    a, b = np.array(one), np.array(two)
-    few = min(len(a), len(b)) < 2
-    error = 0.0 if few else np.sqrt(a.var(0, ddof=1) / len(a) + b.var(0, ddof=1) / len(b))
-    return float(np.maximum(np.abs(a.mean(0) - b.mean(0)) - ERRORS * error, 0.0).max())
+def apart(one: list[Any], *others: list[Any]) -> float:
+    """The largest distance of a mean from the range of others, less what their samples leave open."""
+    a, beyond = np.array(one), []
+    for two in others:
+        b = np.array(two)
+        few = min(len(a), len(b)) < 2
+        error = 0.0 if few else np.sqrt(a.var(0, ddof=1) / len(a) + b.var(0, ddof=1) / len(b))
+        way = a.mean(0) - b.mean(0)
+        beyond.append((way - ERRORS * error, -way - ERRORS * error))
+    return float(np.maximum(np.min(beyond, axis=0), 0.0).max())
 
 
 # The other forms of a scene.
@@ -294,7 +300,7 @@ def stiffer(stage: Stage) -> Stage:
     return tiny(stage, beta=40.0)
 
 
-# The other forms that a scene is compared with; it agrees with one of each kind.
+# The other forms that a scene is compared with; it is within the range of those of each kind.
 TWINS: dict[str, tuple[Callable[[Stage], Stage], ...]] = {
     "held": (stages.held_bodies,),
     "outer": (stages.outer,),
@@ -321,11 +327,11 @@ def compare_twins(row: Row, animal: Animal, own: Answer, o: Options) -> None:
             value, what = difference(kind, animal, [own], [other])
             if value > 1:
                 row.sensitive = f"{row.sensitive} {kind}".strip()
-                one = [own, *landings(animal.stage, same)]
-                value, what = min(
-                    difference(kind, animal, one, [other] * (i == 0) + landings(animal.stage, form))
-                    for i, form in enumerate(forms)
-                )
+                runs = [landings(animal.stage, form) for form in (same, *forms)]
+                runs[:2] = [own, *runs[0]], [other, *runs[1]]
+                # The momentum that other faces exchange is no difference of the law.
+                share = 0.5 * other.aside * animal.speed / animal.scale
+                value, what = difference(kind, animal, *runs, aside=share)
             if value > 1 and kind == "held":
                 pair = [[play(tiny(form(animal.stage)), row.scene)] for form in (same, *forms)]
                 value -= difference(kind, animal, *pair)[0]
@@ -440,7 +446,7 @@ def weigh(row: Row, animal: Animal, own: Answer, o: Options) -> None:
         row.fail("not finite")
     if row.growth > GROWTH and o.enforcement is None:
         weigh_growth(row, animal, own, o)
-    if row.depth > animal.deep and (o.beta is None or o.beta >= 1):
+    if row.depth > animal.deep and (o.beta is None or o.beta >= 1) and not yields(row, animal, o):
         row.fail(f"{row.depth:.2g} h deep")
     least = FRICTION_STEP * animal.stage.fraction
     if 0 < o.friction <= LITTLE_FRICTION and own.fraction < least:
@@ -453,19 +459,27 @@ def weigh(row: Row, animal: Animal, own: Answer, o: Options) -> None:
             row.fail(f"{b} has passed through {a}")
 
 
+def yields(row: Row, animal: Animal, o: Options) -> bool:
+    """Whether a scene with a limit of its own for the depth keeps that of all others, and goes no deeper than with the
+    explicit law at a tiny step: then it is the penalty that yields."""
+    try:
+        other = play(tiny(animal.stage, beta=o.beta or 40.0), row.scene)
+    except (Refused, TooSlow, ct.Error):
+        return False
+    return row.depth <= min(Animal.deep, other.depth - animal.overlap / animal.stage.h)
+
+
 def weigh_growth(row: Row, animal: Animal, own: Answer, o: Options) -> None:
-    """Growth that the leapfrog makes at large strain (eq:step-resonance) is told, if the run says so and half its
-    step has none; other growth is a failure."""
+    """Growth that the leapfrog makes is told; other growth is a failure."""
     row.fail(f"the bodies' energy grows by {100 * row.growth:.3g} %")
-    if "energy_growth" not in own.warned or own.made > MADE * animal.scale:
-        return
     half = animal.stage.time | {"fraction": 0.5 * animal.stage.fraction}
-    left = growth(o, animal, play(replace(animal.stage, time=half), row.scene).run)
-    if left <= GROWTH:
-        row.verdict = "told"
-        row.reason = (
-            f"the leapfrog gains {100 * row.growth:.3g} %, and {100 * left:.2g} % at half the step"
-        )
+    told = is_told(
+        own.warned,
+        own.made / animal.scale,
+        lambda: growth(o, animal, play(replace(animal.stage, time=half), row.scene).run),
+    )
+    if told:
+        row.verdict, row.reason = "told", f"the leapfrog gains {100 * row.growth:.3g} %{told}"
 
 
 # What the library may refuse before a run, by a part of its reason.

@@ -52,12 +52,18 @@ def test_a_rolled_strip_gains_by_the_leapfrog_not_by_its_contact():
 
 
 def test_a_fold_gains_by_the_leapfrog_and_its_division():
-    """A fold whose step is divided: its contact neither makes nor loses energy, so the verdict names the leapfrog. A
-    law that made some is told from it (eq:divided-energy, eq:divided-work)."""
+    """A fold whose step is divided: its contact neither makes nor loses energy, so the verdict names the leapfrog, and
+    as the run warns and half its step gains nothing it is told. A law that made some is told from it
+    (eq:divided-energy, eq:divided-work)."""
     _, bricks, drive, *values = folding.strips()[1]
     made, end = drive(bricks, *values)
     row = folding.folded("fold", made, 0.9, end)
-    assert row.made < 1e-12 and row.by_leapfrog and laboratory.as_expected(row), lab.line(row)
+    assert row.made < 1e-12 and row.told and laboratory.as_expected(row), lab.line(row)
+    assert not row.good and laboratory.summarise([row])[0]["told"] == "1"
+    assert lab.is_told(row.warned, row.made, lambda: lab.GROWTH)
+    assert not lab.is_told("volume", row.made, float)
+    assert not lab.is_told(row.warned, 2 * lab.MADE, float)
+    assert not lab.is_told(row.warned, row.made, lambda: 2 * lab.GROWTH)
     made = replace(row, verdict="energy grows by 3 % of the work", made=1e-3)
     assert lab.caused(made) == made.verdict
     assert lab.caused(replace(made, made=0.0)) == "the leapfrog gains 3 % of the work"
@@ -257,6 +263,44 @@ def test_means_of_samples_of_different_size():
     error = (5 / 3 / 4 + 2 / 2) ** 0.5
     assert zoo.apart(one, two) == pytest.approx(8.5 - zoo.ERRORS * error, rel=1e-12)
     assert zoo.apart([1.0], [3.0]) == 2.0
+
+
+def test_several_twins_give_a_range():
+    """A mean between theirs agrees, one outside differs by its distance."""
+    assert [zoo.apart([x], [3.0], [0.0], [1.0]) for x in (2.0, -1.0, 3.5)] == [0.0, 1.0, 0.5]
+    both = [np.array([4.0, 1.0])], [np.array([3.0, 0.0])], [np.array([2.0, 2.0])]
+    assert zoo.apart(*both) == 1.0
+
+
+def test_momentum_over_a_border_is_no_difference_of_skins():
+    """Points of the open faces that meet the sides of the other body, which only its skin has: here they exchange an
+    eighth of the momentum, and with hex8 nothing. Where nothing is exchanged, nothing comes on top."""
+    answers = []
+    for element in ("hex8", "hex20"):
+        animal = animals.open_faces(animals.Options(element=element))
+        named = animal.stage.touches
+        answers.append(zoo.play(stages.outer(animal.stage), element, named))
+    assert answers[0].aside == 0.0 and not answers[1].beside
+    share = 0.5 * answers[1].aside * animal.speed / animal.scale
+    assert share == pytest.approx(0.13, rel=0.1)
+    names = list(animal.stage.parts)
+    change = answers[1].run.body_momentum("top")["p"]
+    assert answers[1].aside < np.linalg.norm(change[-1] - change[0]) and names == ["low", "top"]
+    pair = [zoo.play(animal.stage, "open")], [answers[1]]
+    alone, what = zoo.difference("outer", animal, *pair)
+    assert alone > 1 and "bounce" in what
+    assert zoo.difference("outer", animal, *pair, aside=share)[0] < 1
+
+
+def test_a_soft_penalty_lets_a_small_ball_in_with_any_law():
+    """A depth beyond the scene's own limit needs the explicit law to be as deep, and the limit of all scenes holds."""
+    options = animals.Options(beta=1.0, size=0.7)
+    animal = animals.small_sphere(options)
+    explicit = zoo.play(zoo.tiny(animal.stage, beta=1.0), "explicit").depth
+    for depth, yields in (0.99 * explicit, True), (1.01 * explicit, False):
+        row = zoo.Row("small_sphere", str(options), depth=depth)
+        assert zoo.yields(row, animal, options) == yields
+    assert not zoo.yields(zoo.Row("", "", depth=0.51), animal, options)
 
 
 def judged(stage, **more):
