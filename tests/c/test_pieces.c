@@ -229,6 +229,8 @@ int main(void)
   same_bits(rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "explicit blocks", given, 0.1);
   same_bits(rubbing(strip(), 0.3), "a strip", solved, 0.1);
   same_bits(blocks(CT_HEX8, CT_HEX8, 0.02, 6.0), "sliding blocks", solved, 0.3);
+  // Points of the upper block lose their partner while they press (eq:impact-left).
+  same_bits(blocks(CT_HEX20, CT_HEX8, 0.01, -4.0), "a block over a border", solved, 0.3);
   same_bits(blocks(CT_HEX20, CT_HEX8, -0.01, 0.3), "an overlap", solved, 0.06);
   same_bits(thrown(0.01), "a block, a plane and a sphere", solved, 0.1);
   same_bits(pierced(), "a block, a plane and a small sphere", solved, 0.1);

@@ -332,6 +332,12 @@ void ct_law_leave(ct_constraint *c, double dt)
   count_time(c, 0, 0, dt);
 }
 
+double ct_law_left(const ct_constraint *c)
+{
+  // -- ⟨K⟩ where a point has left: t_c > 0 (eq:impact-left)
+  return isnan(c->gap) && c->impact.pressed > 0.0 ? ct_larger(c->impact.reserve, 0.0) : 0.0;
+}
+
 void ct_law_divide(const ct_constraint *c, double part, ct_impact *memory)
 {
   const double last = c->gap - c->before, obstacle = c->moved - c->came,

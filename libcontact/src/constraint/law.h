@@ -86,6 +86,9 @@ ct_ramp ct_law_release(const ct_constraint *row, double free, double bound, doub
 void ct_law_settle(ct_constraint *row, double dt, double x, int enters);
 void ct_law_leave(ct_constraint *row, double dt);
 
+/* What a row holds that has lost its partner in a contact that is not over (eq:impact-left). */
+double ct_law_left(const ct_constraint *row);
+
 /* Count in the memory before the step the work of its force on the change of velocity by which the
  * step is divided to this part (eq:divided-work). */
 void ct_law_divide(const ct_constraint *row, double part, ct_impact *memory);

@@ -86,6 +86,7 @@ struct ct_contact {
   int complete;   /* whether what only results need of these rows is known: */
   double energy;  /* of the constraints */
   double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
+  double left;    /* the most that a point of this piece leaves in this step (eq:impact-left) */
   ct_contact_record record;
   /* Of an obstacle: its position, its motion since the last step and until the next one, and the
    * direction of its axis; the distance from which a point may reach it until then; and what
@@ -163,8 +164,9 @@ double ct_side_apply_penalty(ct_side *side);
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
 
-/* Pay what solved points owe, `debt` at most, from what others hold; returns whether any paid
- * (eq:impact-debt). */
+/* Let solved points that press take what those hold that have lost their partner (eq:impact-left).
+ * And pay what points owe, `debt` at most, from what others hold (eq:impact-debt). Returns whether
+ * any have changed. */
 int ct_contact_pay_debts(ct_contact *contact, double debt);
 
 /* Find what only results need of solved rows, unless it is known, in all pieces: their energy at

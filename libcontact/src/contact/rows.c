@@ -22,6 +22,14 @@ static double debt_of(const ct_point *p) { return above_zero(-p->row.impact.rese
 static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
 static double before_of(const ct_point *p) { return p->stored_before; }
 
+static double left_of(const ct_point *p) { return ct_law_left(&p->row); }
+
+/* The force of a point that presses (eq:impact-left). */
+static double press_of(const ct_point *p)
+{
+  return p->listed ? above_zero(p->row.force - p->row.impact.release) : 0.0;
+}
+
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force), if it meets one. */
 CT_INLINE int is_listed(double reach, const ct_constraint *row)
@@ -68,7 +76,7 @@ CT_INLINE void shift_row(const ct_contact *contact, along m, int rigid, ct_point
 }
 
 /* List the rows of the points of a side over another one, or at an obstacle. Inlined for each. */
-CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, const ct_side *other,
+CT_INLINE int64_t list_side(ct_contact *contact, const ct_side *side, const ct_side *other,
                             double dt, ct_constraint **rows)
 {
   const int32_t *faces = other == NULL ? NULL : ct_side_row_nodes(other->fixed, 0);
@@ -86,6 +94,8 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
       p->listed = is_listed(reach, &p->row);
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
+        // On its own surface a point is without a partner only for a while, at a sharp fold.
+        if (other != side) contact->left = fmax(contact->left, left_of(p));
         continue;
       }
       if (alike) p->row.came = came, p->row.moved = moved;
@@ -100,6 +110,7 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows)
 {
   int64_t count = 0;
+  contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
     if (other != NULL) count += list_side(contact, side, other, dt, &rows[count]);
@@ -186,14 +197,32 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
-/* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
-int ct_contact_pay_debts(ct_contact *contact, double largest)
+/* Let the points that press take what others leave (eq:impact-left). Returns whether any do. */
+static int take_left(ct_contact *contact)
 {
+  const double force = sum_energy(contact, press_of),
+               left = force > 0.0 ? sum_energy(contact, left_of) : 0.0;
+  if (!(left > 0.0)) return 0;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
+        // -- K_j + L λ_j / Σ λ, and 0 for those that have left (eq:impact-left)
+        p->row.impact.reserve += left * (press_of(p) / force) - left_of(p);
+  }
+  return 1;
+}
+
+/* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
+int ct_contact_pay_debts(ct_contact *contact, double debts)
+{
+  double largest[2] = {debts, contact->left};
   if (contact->fixed->law.restitution == 0.0) return 0;
-  ct_pieces_largest(contact->gaps.side[0].pieces, &largest, 1);
-  const double debt = largest > 0.0 ? sum_energy(contact, debt_of) : 0.0;
+  ct_pieces_largest(contact->gaps.side[0].pieces, largest, 2);
+  const int taken = largest[1] > 0.0 && take_left(contact);
+  const double debt = largest[0] > 0.0 ? sum_energy(contact, debt_of) : 0.0;
   const double held = debt > 0.0 ? sum_energy(contact, reserve_of) : 0.0;
-  if (!(held > 0.0)) return 0;
+  if (!(held > 0.0)) return taken;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     for (ct_span run = {0}; ct_side_next(side, &run);)
