@@ -256,6 +256,18 @@ def test_an_effect_may_refuse_a_step_at_any_time(start):
     assert refused
 
 
+def test_energy_that_a_divided_step_shows_counts_as_growth():
+    """A block held at one end vibrates near the limit of its step; the smaller step shows all of that energy,
+    :eq:`divided-energy`, and the total is constant before and after it."""
+    scene = guarded(0.3, 2.0, []).add_support("b.x_min", fix="x").set_time(end=10.0, dt=0.49)
+    with pytest.warns(ct.EnergyGrowth) as told, pytest.warns(ct.StepDivided):
+        run = scene.run(output=False)
+    total = run.energy["total"]
+    (growth,) = [one.message for one in told if isinstance(one.message, ct.EnergyGrowth)]
+    assert growth.ratio == pytest.approx(total[-1] / total[0] - 1, rel=1e-9) and growth.ratio > 0.02
+    assert growth.who == 'body "b"'
+
+
 def test_a_step_that_is_refused_at_any_length_ends_the_run():
     with (
         pytest.warns(ct.StepDivided),

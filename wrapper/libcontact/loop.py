@@ -494,6 +494,8 @@ class Loop:
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable = self.problem.stable.dt
+        if self.monitor is not None:  # the total of a divided step is another one
+            options.first_total = self.energy[1]["total"][0]
         given, free = (self.problem.pointer, self.state, options), lib.ct_monitor_free
         monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))

@@ -174,6 +174,9 @@ typedef struct ct_monitor_options {
    * `ct_monitor_growth` reports it [-], :eq:`energy-growth`, >= 0; the run continues.
    */
   double growth_limit;
+  /** Total energy [energy] from which growth counts, :eq:`energy-growth`, of a run that goes on
+   * with another step, :eq:`divided-energy`; NaN: that of the state. */
+  double first_total;
 } ct_monitor_options;
 
 /** Checks every 1024 steps; limits: spurious energy as large as the energy that the bodies should

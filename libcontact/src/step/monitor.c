@@ -26,6 +26,7 @@ struct ct_monitor {
   ct_state *good;
   ct_ledger ledger, next; /* the row of the good state, and that of the state being checked */
   double start;           /* total of the energy balance at the start */
+  double jump;            /* from the total of a run's beginning to it (eq:divided-energy) */
   double *gave;           /* contribution of each effect with stored energy to that total by then */
   double floor;           /* energy that round-off can cause (eq:energy-floor) */
   ct_growth growth;
@@ -47,7 +48,8 @@ ct_monitor_options ct_monitor_options_default(void)
                               .every = 1024,
                               .energy_limit = 1.0,
                               .omega_limit = 2.0,
-                              .growth_limit = 0.002};
+                              .growth_limit = 0.002,
+                              .first_total = NAN};
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
@@ -150,9 +152,10 @@ static double given_by(const ct_monitor *w, int32_t k)
 /* Store the first growth above the reporting limit, and the largest so far (eq:energy-growth). */
 static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 {
-  double most = -INFINITY,
-         ratio = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY;
-  if (!(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least))) return;
+  const double appeared = e->appeared + w->jump, expected = e->most_expected - w->jump,
+               ratio = expected > 0.0 ? appeared / expected : INFINITY;
+  double most = w->jump > 0.0 ? w->jump : -INFINITY; // that of a divided step was in the solid
+  if (!(appeared > fmax(w->options.growth_limit * expected, e->least))) return;
   w->growth.largest = fmax(w->growth.largest, ratio);
   if (w->growth.ratio > 0.0) return;
   w->growth.ratio = ratio;
@@ -365,6 +368,7 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   if (status != CT_OK) return status;
   // Before the start no energy was known: all of it counts as new, also what contacts store.
   w->start = w->next.energy.total;
+  if (isfinite(w->options.first_total)) w->jump = w->start - w->options.first_total;
   w->floor = floor_of(problem);
   w->largest = e.scale;
   w->expected = w->start + e.expected;
