@@ -440,7 +440,68 @@ static ct_obstacle_def floor_below(void)
   return wall;
 }
 
-/* Numbers of obstacles and friction that are refused. */
+/* Coordinates that move inside without a velocity make no force, and no energy (eq:admitted); with
+ * the velocity of that motion they do. */
+static void moved_inside(double velocity)
+{
+  face a = face_at(0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain());
+  for (int i = 0; i < 2; i++) {
+    ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01);
+    for (int n = 0; n < 4; n++) a.v[3 * n + 2] = velocity, a.x[3 * n + 2] -= i == 0 ? 0.0 : 0.02;
+    must(ct_contact_step, contact, &p);
+  }
+  const double energy = ct_contact_energy(contact), force = lift(contact);
+  tap_ok(velocity == 0.0 ? force == 0.0 && energy == 0.0 : force > 0.1 && energy > 0.0,
+         "0.02 further inside with the velocity %g: force %g, energy %g", velocity, force, energy);
+}
+
+/* Whether a text names a member and its value. */
+static int names(const ct_error *e, const char *member, double value)
+{
+  char end[32];
+  snprintf(end, sizeof end, "%g", value);
+  return strstr(e->text, member) != NULL && strstr(e->text, end) != NULL;
+}
+
+/* Numbers in the arrays of a step, and in those of an update, that are refused with their array,
+ * node and value; the surface meets a plane. */
+static void refused_arrays(void)
+{
+  static const char *const WHAT[] = {"coordinate", "velocity", "inverse mass", "force",
+                                     "increment"};
+  static const double BAD[] = {NAN, INFINITY, -INFINITY, -2.0};
+  face a = face_at(0.01, 2.0, UP);
+  double *const array[] = {a.x, a.v, a.inverse_mass, a.f, a.increment};
+  ct_contact_options options = plain();
+  ct_obstacle_def wall = ct_obstacle_def_default();
+  ct_contact *contact = NULL;
+  ct_error e;
+  a.surface.reference = a.x;
+  must(ct_contact_create, &a.surface, NULL, &options, &contact);
+  later_contact(contact);
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.travel_time = 0.1;
+  must(ct_contact_add_obstacle, contact, 0, &wall);
+  for (int i = 0; i < 20; i++) {
+    const int k = i / 4;
+    const double keep = array[k][7], bad = BAD[i % 4];
+    ct_contact_prediction p = prediction_of(&a, &a, 0.01, 0.01);
+    if (k == 4) p.increment_a = a.increment, p.force_a = NULL;
+    array[k][7] = bad;
+    ct_status status = ct_contact_step(contact, &p, &e);
+    const int fine = isfinite(bad) && k != 2;
+    tap_ok(fine ? status == CT_OK
+                : status == CT_INVALID && e.body == 0 && e.point == 2 && names(&e, WHAT[k], bad) &&
+                      strstr(e.text, "node 2 ") != NULL,
+           "%s %g: %s", WHAT[k], bad, fine ? "taken" : e.text);
+    if (k == 0 && !fine)
+      tap_ok(ct_contact_update(contact, a.x, NULL, &e) == CT_INVALID && names(&e, WHAT[k], bad),
+             "and by an update: %s", e.text);
+    array[k][7] = keep;
+  }
+}
+
+/* Numbers of contacts, obstacles and friction that are refused. */
 static void refused_numbers(void)
 {
   static const double BAD[] = {0.0, -0.3, NAN, INFINITY};
@@ -462,6 +523,24 @@ static void refused_numbers(void)
     ct_status status = ct_contact_add_obstacle(other, 0, &wrong, &e);
     tap_ok(status == (isfinite(BAD[k]) ? CT_OK : CT_INVALID), "a velocity of %g: %s", BAD[k],
            status == CT_OK ? "" : e.text);
+    for (int removal = 0; removal < 2; removal++) {
+      const char *name = removal ? "removal_time" : "travel_time";
+      ct_contact_options options = plain();
+      ct_contact *made = NULL;
+      wrong = wall;
+      if (removal) {
+        options.initial_penetration = wrong.initial_penetration = CT_INITIAL_REMOVE;
+        options.removal_time = wrong.removal_time = BAD[k];
+      } else options.travel_time = wrong.travel_time = BAD[k];
+      status = ct_contact_add_obstacle(other, 0, &wrong, &e);
+      const int told = names(&e, name, BAD[k]), fine = !removal && BAD[k] == 0.0;
+      tap_ok(fine ? status == CT_OK
+                  : status == CT_ERROR_ARGUMENT && told &&
+                        ct_contact_create(&a.surface, &b.surface, &options, &made, &e) == status &&
+                        names(&e, name, BAD[k]),
+             "%s %g: %s", name, BAD[k], fine ? "none" : e.text);
+      ct_contact_free(made);
+    }
   }
 }
 
@@ -492,6 +571,12 @@ static void refused_parts(void)
              ct_contact_add_obstacle(contact, 0, NULL, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_obstacle(NULL, 0, &wall, &e) == CT_ERROR_ARGUMENT,
          "unknown surfaces: %s", e.text);
+  tap_ok(strstr(e.text, "ct_contact_add_obstacle:") == e.text &&
+             ct_contact_add_friction(NULL, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "ct_contact_add_friction:") == e.text &&
+             ct_contact_set_pieces(NULL, NULL, NULL, NULL, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "ct_contact_set_pieces:") == e.text,
+         "a null contact is told by the function that was called: %s", e.text);
   tap_ok(ct_contact_add_friction(alone, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
@@ -667,6 +752,9 @@ int main(void)
     steps_by_hand(0.5, given);
   }
   refusals();
+  moved_inside(0.0);
+  moved_inside(-2.0);
+  refused_arrays();
   refused_numbers();
   refused_parts();
   refused_memory();

@@ -71,8 +71,8 @@ typedef struct ct_contact_options {
    */
   double restitution;
   /**
-   * Time h / c₁ in which a wave crosses an element at the surface [time], :eq:`travel-time` if the
-   * bodies differ. Steps with a `restitution` above 0 need it and refuse 0, the default.
+   * Time h / c₁ in which a wave crosses an element at the surface [time], >= 0, :eq:`travel-time`
+   * if the bodies differ. Steps with a `restitution` above 0 need it and refuse 0, the default.
    */
   double travel_time;
   /** Positions of the points; default: Gauss points. */
@@ -131,9 +131,9 @@ typedef struct ct_contact ct_contact;
  * If `b` is null, the surface is in contact only with the obstacles of `ct_contact_add_obstacle`.
  * All options must be valid, but only `threads` is used.
  *
- * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, ε not
- * positive; ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and the
- * face).
+ * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, an option
+ * out of its range; ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and
+ * the face).
  */
 CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
                                    const ct_contact_options *options, ct_contact **out,
@@ -174,7 +174,7 @@ CT_API double ct_contact_energy(const ct_contact *contact);
 typedef struct ct_contact_prediction {
   /** Coordinates x_n [length]. */
   const double *x_a, *x_b;
-  /** Velocities v_{n-1/2} [length / time]; v_0 in the first step. */
+  /** Velocities v_{n-1/2} of the motion to x_n [length / time]; v_0 in the first step. */
   const double *velocity_a, *velocity_b;
   /** Sum of all other forces f_n [force]; null: none. */
   const double *force_a, *force_b;
@@ -206,7 +206,7 @@ typedef struct ct_contact_prediction {
  * :eq:`admitted-account`. A point that is found inside without having come in through the surface
  * counts from there, :eq:`admitted`. With CT_ENFORCE_PENALTY the forces are those of
  * `ct_contact_update`. Start gaps are measured in the first call, which also allocates; later calls
- * allocate only if lists of candidates grow.
+ * allocate only if lists of candidates grow. That the velocities lead to x_n is not checked.
  * ``CT_ERROR_ARGUMENT``: a missing pointer, or an invalid time. ``CT_INVALID``: a number at a node
  * of a surface is not finite, or an inverse mass is negative (`error` names surface and node); the
  * contact then stays as the last successful call left it. ``CT_ERROR_GEOMETRY``: surfaces overlap

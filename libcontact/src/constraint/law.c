@@ -148,13 +148,15 @@ ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
     return CT_REFUSE(error, "%s: dissipation must be 0 to 1, not %g", who, c->dissipation);
   if (!(c->restitution >= 0.0 && c->restitution <= 1.0))
     return CT_REFUSE(error, "%s: restitution must be 0 to 1, not %g", who, c->restitution);
+  if (!(c->travel_time >= 0.0 && isfinite(c->travel_time)))
+    return CT_REFUSE(error, "%s: travel_time must be 0 or positive and finite, not %g", who,
+                     c->travel_time);
   return CT_OK;
 }
 
 ct_status ct_law_check_time(const ct_constraint *c, const char *who, ct_error *error)
 {
-  if (!ct_law_has_rows(c->enforcement) || c->restitution == 0.0 ||
-      (c->travel_time > 0.0 && isfinite(c->travel_time)))
+  if (!ct_law_has_rows(c->enforcement) || c->restitution == 0.0 || c->travel_time > 0.0)
     return CT_OK;
   return CT_REFUSE(error,
                    "%s: travel_time must be positive, not %g: give h / c1, the time in which a "

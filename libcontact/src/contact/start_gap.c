@@ -25,9 +25,10 @@ ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_er
   const ct_initial initial = rule->initial_penetration;
   if (initial < CT_INITIAL_FORCE || initial > CT_INITIAL_REMOVE)
     return CT_REFUSE(error, "%s: there is no initial penetration %d", label, (int)initial);
-  if (initial == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0))
+  if (initial == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0 && isfinite(rule->removal_time)))
     return CT_REFUSE(error,
-                     "%s: to remove the initial penetration, removal_time must be positive, not %g",
+                     "%s: to remove the initial penetration, removal_time must be positive and "
+                     "finite, not %g",
                      label, rule->removal_time);
   if (!(rule->adjust >= 0.0) || !isfinite(rule->adjust))
     return CT_REFUSE(error, "%s: adjust must be 0 or positive and finite, not %g", label,

@@ -373,19 +373,15 @@ static ct_status check_side(const ct_contact *contact, int s, const side_predict
                              p->increment == NULL ? p->force : NULL};
   static const char *const WHAT[] = {"velocity", "inverse mass", "increment", "force"};
   for (int32_t n = 0; n < search->node_count; n++)
-    for (int64_t d = 3 * (int64_t)search->nodes[n], c = 0; c < 3; c++) {
-      const ct_place here = {s, -1, search->nodes[n]};
-      if (!(p->inverse_mass[d + c] >= 0.0))
-        return ct_fail(error, CT_INVALID, here,
-                       "contact: node %d of surface %c has the inverse mass %g, which must not be "
-                       "negative",
-                       (int)search->nodes[n], "ab"[s], p->inverse_mass[d + c]);
-      for (int v = 0; v < 4; v++)
-        if (vectors[v] != NULL && !isfinite(vectors[v][d + c]))
-          return ct_fail(error, CT_INVALID, here,
-                         "contact: the %s of node %d of surface %c is not finite", WHAT[v],
-                         (int)search->nodes[n], "ab"[s]);
-    }
+    for (int v = 0; v < 4; v++)
+      for (int c = 0; vectors[v] != NULL && c < 3; c++) {
+        const double value = vectors[v][3 * (int64_t)search->nodes[n] + c];
+        if (isfinite(value) && (v != 1 || value >= 0.0)) continue;
+        return ct_fail(error, CT_INVALID, (ct_place){s, -1, search->nodes[n]},
+                       "contact: %s %c of node %d of surface %c is %g, which is %s", WHAT[v],
+                       "xyz"[c], (int)search->nodes[n], "ab"[s], value,
+                       isfinite(value) ? "negative" : "not finite");
+      }
   return CT_OK;
 }
 

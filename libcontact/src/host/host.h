@@ -77,7 +77,7 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number);
 /* ``CT_ERROR_ARGUMENT`` if the forces do not belong to a step. */
 ct_status ct_host_check_current(const ct_contact *contact, ct_error *error);
 
-/* ``CT_ERROR_ARGUMENT`` if a contact is null or has taken a step, so that it can't be extended. */
+/* ``CT_ERROR_ARGUMENT`` if a contact has taken a step, so that it can't be extended. */
 ct_status ct_host_check_new(const ct_contact *contact, ct_error *error);
 
 /* Give a contact of the host, itself or an obstacle at surface `s`, to the pieces. */

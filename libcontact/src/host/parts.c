@@ -33,7 +33,6 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
 
 ct_status ct_host_check_new(const ct_contact *contact, ct_error *error)
 {
-  if (contact == NULL) return CT_REFUSE_NULL(error);
   if (contact->host != NULL && contact->host->open)
     return CT_REFUSE(error,
                      "contact: obstacles, friction and pieces must be given before the first step");
@@ -77,9 +76,9 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
                                   const ct_obstacle_def *obstacle, ct_error *error)
 {
   ct_interaction *is = NULL;
+  if (contact == NULL || obstacle == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
-  if (obstacle == NULL) return CT_REFUSE_NULL(error);
   if (side < 0 || side >= contact->fixed->gaps.sides)
     return CT_REFUSE(error, "contact: there is no surface %d", (int)side);
   status = create_obstacle(contact->fixed, side, obstacle, &is, error);
@@ -91,6 +90,7 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
                                   double tangent, ct_error *error)
 {
   ct_interaction *is = NULL;
+  if (contact == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
   const ct_host *h = ct_host_of(contact);

@@ -34,13 +34,13 @@ static ct_status check_masks(const ct_contact *contact, const uint8_t *const own
 ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a, const uint8_t *owned_b,
                                 const ct_pieces *pieces, ct_error *error)
 {
+  const int sides = contact == NULL ? 0 : contact->fixed->gaps.sides;
+  const uint8_t *const owned[2] = {owned_a, owned_b};
+  if (contact == NULL || owned_a == NULL || (owned_b == NULL && sides == 2) || pieces == NULL ||
+      pieces->sum == NULL || pieces->largest == NULL)
+    return CT_REFUSE_NULL(error);
   ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
-  const int sides = contact->fixed->gaps.sides;
-  const uint8_t *const owned[2] = {owned_a, owned_b};
-  if (owned_a == NULL || (owned_b == NULL && sides == 2) || pieces == NULL || pieces->sum == NULL ||
-      pieces->largest == NULL)
-    return CT_REFUSE_NULL(error);
   ct_host *h = ct_host_of(contact);
   if (h == NULL) return CT_NO_MEMORY(error, "the pieces of a contact");
   if (h->pieces != NULL)

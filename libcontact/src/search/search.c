@@ -133,8 +133,9 @@ ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const d
     for (int c = 0; c < 3; c++)
       if (!(fabs(x[3 * (int64_t)(nodes == NULL ? n : nodes[n]) + c]) <= CT_LARGEST_LENGTH))
         return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]},
-                       "coordinate %c of node %d of surface %d is not finite, or beyond %g",
-                       "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
+                       "coordinate %c of node %d of surface %d is %g, not finite or beyond %g",
+                       "xyz"[c], (int)search->nodes[n], body,
+                       x[3 * (int64_t)(nodes == NULL ? n : nodes[n]) + c], CT_LARGEST_LENGTH);
   return CT_OK;
 }
 
