@@ -515,7 +515,7 @@ def test_a_wrong_set_names_its_key(scene, change, words, capsys):
     assert words in err and "Traceback" not in err and "scene.toml:1" not in err
 
 
-@pytest.mark.parametrize("name", ["x.vtu", "x.csv", "x.xdmf", "x.PNG"])
+@pytest.mark.parametrize("name", ["x.vtu", "x.csv", "x.xdmf", "x.PNG", "x.vthdf"])
 def test_results_are_not_written_under_the_name_of_another_format(scene, name, capsys):
     assert main(["run", scene, "-o", name]) == 2
     assert "x.vtkhdf" in capsys.readouterr().err and os.listdir() == ["scene.toml"]

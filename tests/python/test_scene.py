@@ -252,6 +252,17 @@ def test_a_wrong_entry_is_refused_with_key_and_reason(path, value, key, reason):
     assert str(error).startswith(f"scene: {key}: ")
 
 
+def test_a_table_under_the_name_of_others_is_told_by_its_keys():
+    data = small()
+    data["tie"] = data.pop("time")
+    assert refused(data).reason == 'is a table with the keys of "time"; is that meant?'
+    own = refused(small(tie={"surfaces": ["left.x_max", "right.x_min"]}))
+    assert (own.key, own.reason) == (
+        "tie",
+        "is a table; it must be an array of tables, written [[tie]]",
+    )
+
+
 @pytest.mark.parametrize(
     "path, key",
     [

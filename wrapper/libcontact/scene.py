@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import difflib
 import math
 import os
 import re
@@ -642,7 +643,9 @@ class Scene:
         if not isinstance(path, (str, os.PathLike)):
             raise at.error(f"is {describe(path)}; it must be a path")
         path, reason = FileName().read(os.fspath(path), at), ""
-        if (ending := os.path.splitext(path)[1].lower()) in OTHER_FORMATS:
+        ending, like = os.path.splitext(path)[1].lower(), [".vtkhdf"]
+        misspelt = ending not in like and difflib.get_close_matches(ending, like, cutoff=0.75)
+        if misspelt or ending in OTHER_FORMATS:
             whole = os.path.splitext(path)[0] + ".vtkhdf"
             reason = f'results are in VTKHDF, not in {ending}; write "{whole}"'
             if ending in EXPORTS:

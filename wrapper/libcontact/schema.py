@@ -632,8 +632,22 @@ class Table:
             if name in value:
                 if value[name] is None:
                     raise (at / name).error("is None; leave the key out instead")
-                found[name] = field.metadata["kind"].read(value[name], at / name)
+                kind = field.metadata["kind"]
+                if isinstance(kind, Several) and isinstance(value[name], dict):
+                    cls._check_single(name, value, at)
+                found[name] = kind.read(value[name], at / name)
         return cls(**found)
+
+    @classmethod
+    def _check_single(cls, name: str, value: Mapping[str, Any], at: Place) -> None:
+        """Raise an error for a single table in place of several if its keys are those of a missing table."""
+        kinds = {each: field.metadata["kind"] for each, field in cls.keys().items()}
+        fits = [each for each in kinds if each not in value and type(kinds[each]) is Nested]
+        for each in [name, *fits]:
+            if set(value[name]) <= set(kinds[each].model.keys()):
+                if each != name:
+                    raise (at / name).error(f'is a table with the keys of "{each}"; is that meant?')
+                return
 
     @classmethod
     def _alternatives(cls, value: Mapping[str, Any], at: Place) -> dict[str, Any]:
