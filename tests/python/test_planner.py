@@ -144,6 +144,20 @@ def test_the_mesh_for_an_error():
     assert tried_on((*scales, 4.0), (0.4, 0.1, 0.4, 0.2, 0.1)).scale_for(0.2) == pytest.approx(2.0)
 
 
+def test_a_finer_mesh_is_found_where_edges_round_apart():
+    """With 197 x 197 x 39 elements one more along the longest edge, rounded as a whole, is the same mesh: 4 cells round
+    down where 20 round up."""
+    made = object.__new__(planner.Planner)
+    made.own_mesh, made.asked = False, {}
+    made.lattices = [SimpleNamespace(cells=(20, 20, 4))]
+    made._scaled = lambda s: [
+        SimpleNamespace(cells=[round(s * n) for n in each.cells]) for each in made.lattices
+    ]
+    tried = tried_on((0.5, 0.7, 1.0, 1.2), 4 * [0.05 * (9.87 / 1.2) ** planner.SLOWEST])
+    goal = SimpleNamespace(error=0.05, seconds=None, scale=lambda _: 9.8166)
+    assert made.mesh(tried, goal) == pytest.approx((9.9 * 9.9 * 10.0) ** (1 / 3))
+
+
 # The error of the plates.
 
 

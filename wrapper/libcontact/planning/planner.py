@@ -561,9 +561,12 @@ class Planner:
         scale = self.true_scale(min(goal.scale(tried), 2.0 * far))
         if goal.seconds:
             return min(scale, far)
+        asked = scale
         while goal.error and scale <= far and tried.error_at(scale) > goal.error:
-            most = 100 if self.own_mesh else max(max(each.cells) for each in self.lattices) * scale
-            scale = self.true_scale(scale * (1.0 + 1.0 / most))
+            most = 100 if self.own_mesh else max(max(each.cells) for each in self.lattices) * asked
+            # Where one edge rounds up and another down, the mesh is as before.
+            asked *= 1.0 + 1.0 / most
+            scale = self.true_scale(asked)
         return scale
 
     def settle(self, tried: Tried, goal: Goal) -> None:
