@@ -58,11 +58,12 @@ def animate(
     figure, writer = Figure(figsize=SIZE, layout="constrained"), writers[name](fps=rate)
     title = title_of(run, SIZE[0])
     text = label(drawing.field) + (f" [{drawing.unit}]" if drawing.unit else "")
+    unit = f" {run.units.time}" if run.units else ""
     with writer.saving(figure, path, dpi=100):
         for state in states:
             figure.clear()
             axes = figure.subplots()
             patches = drawing.draw(axes, state)
-            axes.set_title(f"{title}\nt = {state.time:.4g}", fontsize="medium")
+            axes.set_title(f"{title}\nt = {state.time:.4g}{unit}", fontsize="medium")
             figure.colorbar(patches, ax=axes, label=text)
             writer.grab_frame()
