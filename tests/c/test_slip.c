@@ -300,7 +300,7 @@ static void predict(linear *t, double *f, double *dl)
 }
 
 /* Total energy of the bodies after a step; `kinetic` is a part of it. */
-static double energy_of(const linear *t, const double *next, double *kinetic)
+static double mechanical_energy(const linear *t, const double *next, double *kinetic)
 {
   double E = 0.0;
   *kinetic = 0.0;
@@ -342,7 +342,7 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
     }
     account_rows(t, lost, dl, du, &books, &sum->releases);
     double kinetic;
-    const double E = energy_of(t, next, &kinetic), slip = books.after - books.before,
+    const double E = mechanical_energy(t, next, &kinetic), slip = books.after - books.before,
                  gain = (E + books.obstacle - energy) + books.normals + slip;
     if (step > 0) {
       sum->growth = worst(sum->growth, fmax(gain, 0.0) / (start + kinetic));

@@ -83,8 +83,9 @@ static void fix_sets(ct_solver *s, int pass)
   ct_pieces_largest(s->pieces, &t->top, 1);
   for (int64_t i = 0; i < t->group_count && !(all && pass == 0); i++) {
     ct_tangent_group *g = &t->groups[i];
-    g->presses = pass > 0 && g->presses;
-    for (int32_t r = 0; r < g->rows && !g->presses; r++) g->presses = t->limit[g->first + r] > 0.0;
+    if (pass == 0) g->presses = 0;
+    for (int32_t r = 0; r < g->rows; r++)
+      if (t->limit[g->first + r] > 0.0) g->presses = 1;
   }
   ct_tangent_find_last(s);
   ct_tangent_fix_chords(t);
