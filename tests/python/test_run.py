@@ -358,7 +358,6 @@ def test_a_restarted_run_ends_with_the_same_bits(tmp_path, end, part):
     first = made().run(until=part * whole.time[-1], output=path)
     held = first.energy["reserve"]
     assert held[-1] > 0.0 and (held[-1] < 0.9 * held.max()) == (part > 0.8)
-    assert held[0] == 0.0  # the plates touch, but no step is done
     rest = made().run(restart=path, output=tmp_path / "rest.vtkhdf", threads=2)
     assert same_state(whole, rest)
     shared, own = np.isin(whole.steps, rest.steps), np.isin(rest.steps, whole.steps)

@@ -238,12 +238,11 @@ void ct_contact_complete(ct_contact *contact)
   contact->complete = 1;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) ct_side_take_rows(&contact->gaps.side[s]);
   if (ct_contact_is_rigid(contact->fixed) && !contact->fixed->moves) ct_contact_react(contact);
-  if (contact->record.time == 0.0) { // points hold what they take in the first step only after it
-    contact->reserve = 0.0;
+  contact->reserve = sum_energy(contact, reserve_of);
+  if (contact->record.time == 0.0) {
     contact->energy = sum_energy(contact, start_of);
     return;
   }
-  contact->reserve = sum_energy(contact, reserve_of);
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)
   const double before = sum_energy(contact, before_of), after = sum_energy(contact, stored_of);
