@@ -111,13 +111,15 @@ static ct_status add_boundaries(world *w, ct_error *e)
   return take(w, ct_motion_create_effect(&path, w->problem, &effect, e), &effect, e);
 }
 
-/* Effects on all nodes: gravity, damping, viscosity. */
+/* Effects on all nodes, gravity and damping, and viscosity of the body with small strain. */
 static ct_status add_fields(world *w, ct_error *e)
 {
+  static const int32_t below = 0;
   ct_effect *effect = NULL;
   ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -10}};
   ct_damping_def damping = {COOKIE, .rate = 0.1};
-  ct_viscosity_def viscosity = {COOKIE, .linear = 0.06, .quadratic = 1.2};
+  ct_viscosity_def viscosity = {COOKIE, .linear = 0.06, .quadratic = 1.2, .bodies = &below,
+                                .body_count = 1};
   ct_status status =
       take(w, ct_gravity_create_effect(&gravity, w->problem, &effect, e), &effect, e);
   if (status == CT_OK)

@@ -10,6 +10,7 @@ import inside
 import lab
 import numpy as np
 import pytest
+import rest
 import run as laboratory
 import shapes
 import stage as stages
@@ -244,6 +245,16 @@ def test_bodies_gain_nothing_with_any_integrator(scene, integrator):
     for law in (animal.stage.law, animal.stage.law | {"restitution": 1.0}):
         given = zoo.replace(animal.stage, law=law)
         assert zoo.growth(options, animal, zoo.play(given, scene).run) < 1e-9
+
+
+@pytest.mark.parametrize("seed", [8, 168, 292, 300])
+def test_friction_adds_no_energy_where_surfaces_just_touch(seed):
+    """Before the load begins points move by rounding along the plane; that is no slip that could cut the allowed
+    forces, :eq:`slip-set`, by a line across the plane."""
+    _, scene, _ = rest.rest_scene(seed)
+    scene._data["obstacle"][0]["friction"] = 0.5
+    energy = scene.set_output(every=1, fields=[]).run(progress=False, output=False).energy
+    assert energy["total"].max() < 1e-12 * energy["external"].max()
 
 
 def test_points_that_leave_over_a_border_hand_on_what_they_hold():

@@ -42,14 +42,15 @@ int ct_tangent_fix_laws(ct_solver *s)
 }
 
 /* The slips of the last step and twice the reserves. A point that moved by rounding has not
- * slipped; nor has one that stuck, as the length of a slip is at most the size of its terms. */
+ * slipped, that of its own motion or of what the allowed force may move; nor has one that stuck, as
+ * the length of a slip is at most the size of its terms. */
 CT_CLONES
 CT_CHOICES
 void ct_tangent_fix_chords(const ct_tangent *t)
 {
   static const double ROUNDING = 1e-13;
   const ct_columns last = t->last, e = t->e, e0 = t->e0, chord = t->c;
-  const double *stuck = t->stuck, *reserve = t->reserve;
+  const double *stuck = t->stuck, *reserve = t->reserve, *limit = t->limit, *scale = t->scale;
   double *most = t->most;
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
@@ -60,7 +61,9 @@ void ct_tangent_fix_chords(const ct_tangent *t)
       size = ct_larger(fabs(last.x[k][j]) + fabs(e.x[k][j]) + fabs(e0.x[k][j]), size);
       length = ct_larger(fabs(c[k]), length);
     }
-    const double has = length > (ROUNDING + 2.0 * stuck[j]) * size ? 1.0 : 0.0;
+    const double least =
+                     ct_larger((ROUNDING + 2.0 * stuck[j]) * size, ROUNDING * limit[j] / scale[j]),
+                 has = length > least ? 1.0 : 0.0;
     for (int k = 0; k < 3; k++) chord.x[k][j] = has == 0.0 ? 0.0 : c[k];
     most[j] = 2.0 * ct_larger(reserve[j], 0.0);
   }
