@@ -256,6 +256,7 @@ def test_a_tetrahedron_splits_its_neighbours_as_far_as_they_must_be(tmp_path):
 def test_quadratic_bricks_have_their_nodes_in_the_order_of_vtk(folder):
     mesh = read_mesh(folder / "hex20.msh")
     assert mesh.elements.shape == (12, 20) and area(mesh, "top") == pytest.approx(2.0)
+    assert mesh.elements.flags.c_contiguous  # C reads them
     x = mesh.nodes[mesh.elements]
     ends = [
         (0, 1),

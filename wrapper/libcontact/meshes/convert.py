@@ -355,7 +355,8 @@ def _finish(
     number = np.cumsum(used) - 1
     if (~used).any() and len(raw.nodes):
         dropped["nodes without elements"] += int((~used).sum())
-    nodes, elements = np.ascontiguousarray(nodes[used] * scale), number[elements].astype(np.int32)
+    nodes = np.ascontiguousarray(nodes[used] * scale)
+    elements = np.ascontiguousarray(number[elements], np.int32)
     _check(raw, chosen, nodes, elements, parents)
     sets = {name: number[found[used[found]]] for name, found in chosen.sets.items()}
     report = Report(raw.format, read, dict(dropped), split, factor, tuple(chosen.notes))
