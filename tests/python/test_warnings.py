@@ -575,6 +575,21 @@ def test_wide_hex20_elements_lose_an_impact(element, ratio, low, high):
     assert low < -momentum[-1] / momentum[0] < high
 
 
+def test_a_hex20_edge_that_passes_beside_the_other_body():
+    """The lowest nodes of a tilted body are not above the other one, so no element of it hits first, and numpy has no
+    mean of none to warn of."""
+    scene = empty()
+    scene.add_body("floor", material="soft", box=box_of([0, 0, -1], [1, 1, 1], [1, 1, 1]))
+    high = box_of([0, 0, 0], [3, 1, 0.5], [2, 1, 1])
+    tilt = {"angle": 0.3, "axis": [0, 1, 0], "centre": [0, 0, 0], "move": [0, 0, 0.5]}
+    more = {"element": "hex20", "place": tilt, "velocity": [0, 0, -5]}
+    scene.add_body("high", material="soft", box=high, **more)
+    scene.add_contact("high.z_min", "floor.z_max").set_time(end=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert "wide" not in [one.kind for one in scene.explain().warnings]
+
+
 @pytest.mark.parametrize("ratio, wide", [(1.0, False), (1.45, False), (1.55, True)])
 def test_the_width_that_is_warned_of(ratio, wide):
     assert ("wide" in [kind for kind, _ in kinds(wide_bar("hex20", ratio))]) == wide

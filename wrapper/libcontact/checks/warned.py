@@ -465,7 +465,7 @@ def _wide(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
         axis, first = int(np.abs(touch.normal).argmax()), _first_nodes(problem, touch)
         for name, nodes in first.items():
             body = problem.bodies[name]
-            if FACTS[body.mesh.element].trilinear:
+            if FACTS[body.mesh.element].trilinear or not nodes.size:
                 continue
             hit = np.isin(body.mesh.elements, nodes).any(axis=1)
             size = np.ptp(started(problem, name)[body.mesh.elements[hit]], axis=1)
