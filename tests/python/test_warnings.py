@@ -409,6 +409,18 @@ def test_units(units, absurd):
         assert "[units]" in scene.explain()
 
 
+def test_an_angle_in_degrees():
+    """A full turn is 2 pi = 6.283."""
+    box = box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])
+    scene = empty("neo_hookean").set_time(end=1e-3)
+    for name, angle in (("far", 80.0), ("back", -6.29), ("turn", 6.28)):
+        turned = {"place": {"angle": angle}, "initial": {"angle": angle}}
+        scene.add_body(name, material="soft", box=box, **turned)
+    keys = [f"body[{i}].{table}.angle" for i in (0, 1) for table in ("place", "initial")]
+    found = [one for one in scene.explain().warnings if one.kind == "units"]
+    assert [one.key for one in found] == keys and "80 degrees are 1.3963 rad" in str(found[0])
+
+
 def test_chatter_has_its_key():
     assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [
         ("chatter", "obstacle[0]")

@@ -17,11 +17,11 @@ from ..bridge import has
 from ..errors import SceneWarning, came_in_late
 from ..hdf5 import ADVICE
 from ..mesh import FACTS, rotation
-from ..model import AXES, FEEDS, Contact, speeds
+from ..model import AXES, FEEDS, Contact, Turn, speeds
 from ..observers import Observer, spread
 from ..parts import acts_on
 from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations
-from ..schema import SIDES
+from ..schema import SIDES, Place, walk
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run
@@ -169,6 +169,10 @@ def _units(problem: Problem) -> Iterator[SceneWarning]:
         if not SLOW <= si <= FAST:
             text = f'material "{material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?'
             yield SceneWarning("units", text, f"body[{i}]")
+    for at, table in walk(problem.parts, Place()):
+        if isinstance(table, Turn) and abs(table.angle) > 2.0 * math.pi:
+            text = f"{table.angle:g} rad is more than a turn; {table.angle:g} degrees are {math.radians(table.angle):.5g} rad"
+            yield SceneWarning("units", text, f"{at.key}.angle")
 
 
 def _file(output: Any) -> Iterator[SceneWarning]:
