@@ -60,6 +60,14 @@ def test_instants_and_energies_have_one_unit_of_time(block):
     assert energies.lines[-1].get_xdata()[-1] == pytest.approx(40.0)
 
 
+def test_nine_energies_are_named_in_two_rows():
+    scene = falling().add("gravity", acceleration=[0, 0, -9.81]).add("damping", rate=1.0)
+    figure = shown(scene.add("viscosity", linear=0.1).run())
+    (names,) = (axes.get_legend().get_texts() for axes in figure.axes if axes.get_legend())
+    heights = sorted(name.get_window_extent().y0 for name in names)
+    assert len(heights) == 9 and np.flatnonzero(np.diff(heights) > 8).tolist() == [3]
+
+
 # Fields.
 
 

@@ -239,7 +239,8 @@ def draw_energies(axes: Any, run: Run) -> None:
     axes.set(xlabel=_time_label(unit), ylabel="energy" + energy)
     axes.grid(alpha=0.3)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
-    axes.legend(ncols=8, fontsize="small", **place)
+    count = len(axes.lines)
+    axes.legend(ncols=-(-count // -(-count // 8)), fontsize="small", **place)
     axes.margins(x=0.0)
 
 
