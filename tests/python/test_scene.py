@@ -304,6 +304,16 @@ def test_files_that_are_no_scenes_are_refused(content, tmp_path):
     assert str(file) in str(caught.value)
 
 
+def test_results_and_scenes_in_each_others_place_are_named(tmp_path):
+    results, scene = tmp_path / "out.vtkhdf", tmp_path / "scene.toml"
+    results.write_bytes(b"\x89HDF\r\n\x1a\n")
+    scene.write_text("[units]\n")
+    with pytest.raises(SceneError, match="out.vtkhdf: can't be read: no text in UTF-8"):
+        ct.Scene.load(results)
+    with pytest.raises(ValueError, match='scene.toml": no HDF5 file'):
+        ct.Run.load(scene)
+
+
 def test_a_file_that_is_not_there_is_refused(tmp_path):
     for path in (tmp_path / "none.toml", tmp_path):
         with pytest.raises(SceneError, match="can't be read"):

@@ -427,7 +427,8 @@ def open_hdf5(path: str | Path, mode: str = "r") -> Any:
     except ImportError:
         raise NotBuiltIn(f"reading files needs h5py: {install('files')}") from None
     except OSError as error:
-        reason = str(error) if Path(path).exists() else "no such file"
+        text = "no HDF5 file" if "signature not found" in str(error) else str(error)
+        reason = text if Path(path).exists() else "no such file"
         raise ValueError(f'can\'t read "{path}": {reason}') from None
 
 

@@ -98,7 +98,10 @@ def _call(call: str, table: Any, *pair: str) -> Any:
     whole = Signature([*lead, *keys], return_annotation="Scene")
 
     def method(*values: Any, **entries: Any) -> Scene:
-        given = whole.bind(*values, **entries).arguments
+        try:
+            given = whole.bind(*values, **entries).arguments
+        except TypeError as error:
+            raise TypeError(f"{call}: {error}") from None
         scene: Scene = given.pop("self")
         two = [given.pop(word) for word in pair if word in given]
         if pair and (len(two) == 2) == ("surfaces" in given) or len(two) == 1:
@@ -241,7 +244,8 @@ class Scene:
             line = int(found[1]) if found else None
             raise SceneError(f"is not valid TOML: {error}", "", path, line) from None
         except (OSError, ValueError, RecursionError) as error:
-            reason = getattr(error, "strerror", None) or error
+            no_text = "no text in UTF-8" if isinstance(error, UnicodeDecodeError) else None
+            reason = no_text or getattr(error, "strerror", None) or error
             raise SceneError(f"can't be read: {reason}", "", path) from None
         changed = set_values(data, changes or {}, path)
         return cls(data, file=path if len(text) > MOST_WITH_LINES else Text(path, text, changed))
