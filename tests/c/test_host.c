@@ -579,7 +579,8 @@ static void refused_parts(void)
          "a null contact is told by the function that was called: %s", e.text);
   tap_ok(ct_contact_add_friction(alone, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
-             ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
+             ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "at -2; give the number of an obstacle, or -1"),
          "friction without a contact: %s", e.text);
   must(ct_contact_add_obstacle, contact, 0, &wall);
   must(ct_contact_add_friction, contact, 0, 0.3, 1.0);

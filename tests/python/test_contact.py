@@ -169,7 +169,7 @@ def test_pieces_that_are_refused():
         make().set_pieces([[True]] * 3, keep, keep)
     with pytest.raises(ValueError, match=r"shape \(2,\); it must be \(1,\)"):
         make().set_pieces(([True, False], [True]), keep, keep)
-    with pytest.raises(ValueError, match="face 0 of surface b is in 0 pieces"):
+    with pytest.raises(ValueError, match="face 0 of surface 1 is in 0 pieces"):
         make().set_pieces(([True], [False]), keep, keep)
 
     def fail(values):
@@ -294,7 +294,7 @@ def test_arrays_are_read_and_written_where_they_stand():
 
 def test_refusals():
     a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE + 0, [[0, 1, 2, 3]])
-    with pytest.raises(ct.ArgumentError, match="penalty must be positive"):
+    with pytest.raises(ct.ArgumentError, match="penalty epsilon must be positive"):
         ct.Contact(a, b, epsilon=0.0)
     with pytest.raises(ValueError, match="energy_controlled, not 'penalti'"):
         ct.Contact(a, b, epsilon=1.0, enforcement="penalti")
@@ -329,7 +329,7 @@ def test_numbers_that_are_no_prediction_are_refused_in_the_first_step():
             )
             velocity, force, inverse = still.copy(), still.copy(), one.copy()
             (velocity, force, inverse)[what][2, 1] = wrong
-            with pytest.raises(ct.Error, match="node 2 of surface a"):
+            with pytest.raises(ct.Error, match="node 2 of surface 0"):
                 contact.step(0.01, (up, low), (velocity, still), (inverse, one), (force, still))
 
 

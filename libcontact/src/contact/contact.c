@@ -14,7 +14,7 @@ ct_status ct_contact_check(const ct_contact_fixed *fixed, double epsilon, ct_con
 {
   const char *label = fixed->partner->label;
   if (!(epsilon > 0.0) || !isfinite(epsilon))
-    return CT_REFUSE(error, "%s: the penalty must be positive, not %g", label, epsilon);
+    return CT_REFUSE(error, "%s: the penalty epsilon must be positive, not %g", label, epsilon);
   if (points != CT_POINTS_GAUSS && points != CT_POINTS_LOBATTO)
     return CT_REFUSE(error, "%s: there is no rule of points %d", label, (int)points);
   ct_status status = ct_law_check(&fixed->law, label, error);

@@ -378,8 +378,8 @@ static ct_status check_side(const ct_contact *contact, int s, const side_predict
         const double value = vectors[v][3 * (int64_t)search->nodes[n] + c];
         if (isfinite(value) && (v != 1 || value >= 0.0)) continue;
         return ct_fail(error, CT_INVALID, (ct_place){s, -1, search->nodes[n]},
-                       "contact: %s %c of node %d of surface %c is %g, which is %s", WHAT[v],
-                       "xyz"[c], (int)search->nodes[n], "ab"[s], value,
+                       "contact: %s %c of node %d of surface %d is %g, which is %s", WHAT[v],
+                       "xyz"[c], (int)search->nodes[n], s, value,
                        isfinite(value) ? "negative" : "not finite");
       }
   return CT_OK;
@@ -479,8 +479,8 @@ static double *take_masses(const ct_contact *contact, const double *const mass[2
     for (int32_t n = 0; n < search->node_count; n++)
       if (!(mass[s][search->nodes[n]] > 0.0)) {
         *status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, search->nodes[n]},
-                          "contact: the mass of node %d of surface %c is not positive",
-                          (int)search->nodes[n], "ab"[s]);
+                          "contact: the mass of node %d of surface %d is not positive",
+                          (int)search->nodes[n], s);
         return NULL;
       }
   }

@@ -97,8 +97,10 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
   const ct_host_part *what = on < 0 ? &h->contact : ct_host_obstacle(contact, on);
   if (on < -1 || what == NULL || (on == -1 && contact->fixed->gaps.alone))
-    return CT_REFUSE(
-        error, "friction: there is no obstacle %d, nor -1, another surface, to slide on", (int)on);
+    return CT_REFUSE(error,
+                     "friction: there is nothing to slide on at %d; give the number of an "
+                     "obstacle, or -1 for the other surface",
+                     (int)on);
   for (const ct_host_part *part = h->contact.next; part != NULL; part = part->next)
     if (part->on == what)
       return CT_REFUSE(error, "friction: it acts on obstacle %d already (-1: the other surface)",

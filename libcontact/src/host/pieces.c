@@ -24,8 +24,8 @@ static ct_status check_masks(const ct_contact *contact, const uint8_t *const own
     for (int32_t f = count - 1; f >= 0; f--)
       if (isfinite(owners[f]) && owners[f] != 1.0)
         status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, f, -1},
-                         "contact: face %d of surface %c is in %g pieces, not in one", (int)f,
-                         "ab"[s], owners[f]);
+                         "contact: face %d of surface %d is in %g pieces, not in one", (int)f, s,
+                         owners[f]);
     ct_release(owners);
   }
   return status;
