@@ -277,6 +277,7 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
 
         kept = Run.load("out.vtkhdf").time
         assert f"interrupted at t = {kept[-1]:.6g}; {len(kept)} records are kept" in err
+        assert "from which --restart continues" in err
 
 
 def test_ctrl_c_among_the_imports_has_exit_code_130_and_says_one_word(tmp_path):

@@ -371,7 +371,8 @@ def _run(options: argparse.Namespace) -> dict[str, Any]:
 def _finish(run: Run, named: str | None, options: argparse.Namespace) -> int:
     """Messages and picture after a run, and its exit code."""
     if run.interrupted:
-        kept = f'; {len(run.steps)} records are kept in "{run.path}"' if run.path else ""
+        records = f'; {len(run.steps)} records are kept in "{run.path}"'
+        kept = f"{records}, from which --restart continues" if run.path else ""
         _say(f"interrupted at t = {run.time[-1]:.6g}{kept}")
         return INTERRUPTED
     if options.plot:
