@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from off_is_free import compiled, counted
 
 ROOT = Path(__file__).parent.parent
 RUNS = 5
@@ -38,28 +39,6 @@ SAVINGS = {
 PLANE = ("plates", "platesz", "plates200")
 
 
-def program(folder: Path) -> Path:
-    out = folder / "scene_loop"
-    subprocess.run(
-        [
-            os.environ.get("CC", "cc"),
-            "-O2",
-            "-std=c99",
-            f"-I{ROOT / 'libcontact' / 'include'}",
-            str(ROOT / "bench" / "scene_loop.c"),
-            "-o",
-            str(out),
-            str(ROOT / "build" / "lib" / "libcontact.a"),
-            "-fopenmp",
-            "-lm",
-            "-Wl,--wrap=calloc",
-            "-Wl,--wrap=free",
-        ],
-        check=True,
-    )
-    return out
-
-
 def run(loop: Path, scene: str, savings: str) -> dict:
     done = subprocess.run(
         [str(loop), scene, savings, str(STEPS.get(scene, 0))],
@@ -73,7 +52,7 @@ def run(loop: Path, scene: str, savings: str) -> dict:
 def measure() -> dict:
     result: dict[str, dict[str, dict]] = {scene: {} for scene in SCENES}
     with tempfile.TemporaryDirectory() as folder:
-        loop = program(Path(folder))
+        loop = compiled("scene_loop.c", Path(folder))
         for _ in range(RUNS):
             for scene in SCENES:
                 for savings in SAVINGS:
@@ -132,31 +111,10 @@ RATIOS = {
 }
 
 
-def count_instructions(loop: Path, scene: str, savings: str) -> float:
-    """Instructions of the time loop of a run."""
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(
-            [
-                "valgrind",
-                "--tool=callgrind",
-                f"--callgrind-out-file={folder}/out",
-                "--toggle-collect=ct_run",
-                str(loop),
-                scene,
-                savings,
-                str(STEPS.get(scene, 0)),
-            ],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-    return float(done.stderr.split("Collected : ")[1].split()[0])
-
-
 def write_table(path: Path) -> None:
     rows = [["scene", *RATIOS, "bytes of the run, shared stiffness"]]
     with tempfile.TemporaryDirectory() as folder:
-        loop = program(Path(folder))
+        loop = compiled("scene_loop.c", Path(folder))
         for scene, title in SCENES.items():
             names = {
                 name
@@ -164,10 +122,12 @@ def write_table(path: Path) -> None:
                 for name in pair
                 if "p" not in name or scene in PLANE
             }
-            counts = {name: count_instructions(loop, scene, name) for name in names}
-            bytes_held = [run(loop, scene, name)["bytes"] for name in ("-", "c")]
+            steps = str(STEPS.get(scene, 0))
+            told = {name: counted(loop, [scene, name, steps], Path(folder)) for name in names}
+            bytes_held = [told[name]["bytes"] for name in ("-", "c")]
             cells = [
-                f"{counts[a] / counts[b]:.2f}" if b in counts else "" for a, b in RATIOS.values()
+                f"{told[a]['instructions'] / told[b]['instructions']:.2f}" if b in told else ""
+                for a, b in RATIOS.values()
             ]
             rows.append([title, *cells, f"{bytes_held[0] / bytes_held[1]:.2f}"])
     with path.open("w", newline="") as file:

@@ -71,14 +71,12 @@ def scene_of(name: str, cells: int, steps: int) -> Any:
 
 def brick(cells: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and elements of a unit cube, distorted inside by up to a quarter of an element."""
-    x = np.stack(np.meshgrid(*[np.arange(cells + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
-    inside = np.sin(np.pi * x / cells).prod(axis=1, keepdims=True)
-    number = np.arange(len(x)).reshape([cells + 1] * 3)
-    near = [slice(None, -1), slice(1, None)]
-    corner = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-    corner += [(i, j, 1) for i, j, _ in corner]
-    elements = np.stack([number[near[i], near[j], near[k]].ravel() for i, j, k in corner], -1)
-    return (x + 0.25 * inside * np.sin(2.0 * x[:, [1, 2, 0]])) / cells, elements
+    from libcontact.mesh import Mesh
+
+    mesh = Mesh.box("hex8", [0, 0, 0], [cells] * 3, [cells] * 3)
+    inside = np.sin(np.pi * mesh.nodes / cells).prod(axis=1, keepdims=True)
+    moved = mesh.nodes + 0.25 * inside * np.sin(2.0 * mesh.nodes[:, [1, 2, 0]])
+    return moved / cells, mesh.elements
 
 
 def one(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
