@@ -14,6 +14,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import sys
 import tempfile
@@ -50,42 +51,6 @@ LINES = (
     b"$Entities\n9 9 9 9",
     b'$PhysicalNames\n1\n3 1 "x"\n$EndPhysicalNames',
 )
-DECK = b"""*Heading
-*Part, name=Block
-*Node
-1, 0., 0., 0.
-2, 1., 0., 0.
-3, 1., 1., 0.
-4, 0., 1., 0.
-*Node, nset=Top
-5, 0., 0., 1.
-6, 1., 0., 1.
-7, 1., 1., 1.
-8, 0., 1., 1.
-*Element, type=C3D8R, elset=All
-1, 1, 2, 3, 4,
-5, 6, 7, 8
-*Nset, nset=Bottom, generate
-1, 4, 1
-*Surface, type=ELEMENT, name=Face
-All, S2
-*End Part
-*Assembly, name=A
-*Instance, name=Lower, part=Block
-*End Instance
-*Instance, name=Upper, part=Block
-0., 0., 1.
-0.5, 0.5, 0., 0.5, 0.5, 1., 90.
-*End Instance
-*Nset, nset=Held, instance=Lower
-Bottom
-*Elset, elset=_S1, instance=Upper
-1,
-*Surface, name=Meet
-_S1, S1
-Lower.All, S2
-*End Assembly
-"""
 
 
 def good_files(folder: Path) -> dict[str, list[str]]:
@@ -95,7 +60,7 @@ def good_files(folder: Path) -> dict[str, list[str]]:
 
     with zipfile.ZipFile(DATA / "meshes.zip") as archive:
         archive.extractall(folder)
-    (folder / "deck.inp").write_bytes(DECK)
+    shutil.copy(DATA / "deck.inp", folder)
     mesh = read_mesh(folder / "cam.msh")
     wedge = [[9, 0, 0], [10, 0, 0], [9, 1, 0], [9, 0, 1], [10, 0, 1], [9, 1, 1]]
     cells = [("hexahedron", mesh.elements), ("wedge", len(mesh.nodes) + np.arange(6)[None])]
@@ -234,7 +199,7 @@ def campaign(files: int, seed: int, folder: Path | None = None) -> dict[str, int
     with tempfile.TemporaryDirectory(dir=folder) as name:
         good = good_files(Path(name))
         (Path(name) / "changed").mkdir()
-        (Path(name) / "changed" / "deck.inp").write_bytes(DECK)
+        shutil.copy(DATA / "deck.inp", Path(name) / "changed")
         for form, names in good.items():
             for first in range(0, files, BATCH):
 

@@ -20,6 +20,7 @@ from libcontact.mesh import Mesh
 from libcontact.meshes import read_mesh
 
 DATA = Path(__file__).resolve().parents[1] / "data"
+DECK = (DATA / "deck.inp").read_text()  # two blocks, one on the other and turned
 
 # Corners of the faces of a brick, as `ct_brick_face` has them.
 FACES = np.array(
@@ -311,54 +312,6 @@ def test_blocks_and_sets_of_exodus(folder, file):
         and set(right.face_sets) == {"front", "side_set_8"}
         and not right.node_sets
     )
-
-
-DECK = """*Heading
- two blocks, one on the other and turned
-*Part, name=Block
-*Node, nset=Low
-1, 0., 0., 0.
-2, 2., 0., 0.
-3, 2., 1., 0.
-4, , 1.
-*Node, nset=Top
-5, 0., 0., 1.
-6, 2., 0., 1.
-7, 2., 1., 1.
-8, 0., 1., 1.
-*Element, type=C3D8R, elset=All
-1, 1, 2, 3, 4,
-5, 6, 7, 8
-*Nset, nset=Generated, generate
-1, 7, 2
-*Surface, type=ELEMENT, name=Lid
-ALL, S2
-*End Part
-*Assembly, name=A
-*Instance, name=Lower, part=Block
-*End Instance
-*Instance, name=Upper, part=block
-0., 0., 1.
-0., 0., 0., 0., 0., 1., 90.
-*End Instance
-*Node
-99, 0., 0., 9.
-*Element, type=MASS, elset=Point
-500, 99
-*Nset, nset=Reference
-99,
-*Nset, nset=Held, instance=Lower
-low
-*Elset, elset=_S1, internal, instance=Upper
- 1,
-*Surface, name=Meet
-_S1, S1
-Lower.All, S2
-*End Assembly
-*Material, name=Steel
-*Elastic
- 210e9, .3
-"""
 
 
 def deck(tmp_path, text=DECK):
