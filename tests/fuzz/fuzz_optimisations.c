@@ -9,13 +9,10 @@
 #include "../c/defs.h"
 #include "dice.h"
 
-#include <stdarg.h>
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Counts of the campaign. */
 static long long total_scenes, total_built, total_runs, total_steps, total_failures, total_asleep;
-static int verbose; /* whether scenes are told */
 
 enum { MOST_BODIES = 3, MOST_ROOMS = 64, MOST_SEGMENTS = 6 };
 
@@ -65,14 +62,6 @@ static void *keep(run *r, size_t count, size_t size)
 {
   demand(r->room_count < MOST_ROOMS, "room in the test");
   return r->rooms[r->room_count++] = room(count, size);
-}
-
-static void tell(const char *format, ...)
-{
-  va_list arguments;
-  va_start(arguments, format);
-  if (verbose) vfprintf(stderr, format, arguments);
-  va_end(arguments);
 }
 
 static uint64_t mixed(uint64_t x)
@@ -202,8 +191,6 @@ static void mesh_box(run *r, dice *d, int number, ct_brick_kind kind, double beg
   while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most)
     box.cells[0] = (box.cells[0] + 1) / 2;
   b->box = box;
-  tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2],
-       (int)box.layers);
   demand(ct_mesh_create_box(kind, &box, &b->plain, &e) == CT_OK, "a box");
   for (int c = 0; c < 3; c++)
     if (box.cells[c] == 1) b->thin = c;
@@ -272,11 +259,6 @@ static void add_body(run *r, dice *d, int number)
   ct_solid_kernel kernel =
       any_kernel(r, d, kind, material.law, !(amount > 0.0 || ring || mixed_up));
   ct_lumping lumping = chance(d, 5) ? CT_LUMP_HRZ : CT_LUMP_DEFAULT;
-  tell("  body %d: kind %d, %d elements, ring %d, mixed up %d, moved %g, law %d, kernel %d, "
-       "lumping %d, from "
-       "%g, velocity %g %g %g\n",
-       number, (int)kind, (int)b->mesh->element_count, ring, mixed_up, amount, (int)material.law,
-       (int)kernel, (int)lumping, begin, velocity[0], velocity[1], velocity[2]);
   ct_scene_body body = {.name = "body",
                         .mesh = b->mesh,
                         .material = material,
@@ -314,10 +296,6 @@ static void add_contact(run *r, dice *d)
   c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
   if (chance(d, 2)) c.options.restitution = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0);
-  tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g, restitution "
-       "%g\n",
-       (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
-       (int)c.options.initial_penetration, c.friction, c.options.restitution);
   r->status = ct_scene_add_contact(r->scene, &c, &r->error);
 }
 
@@ -351,8 +329,6 @@ static void add_support(run *r, dice *d)
   s.node_count = held ? r->bodies[s.body].plain->node_count : s.node_count;
   for (int32_t n = 0; held && n < s.node_count; n++) ((int32_t *)s.nodes)[n] = n;
   if (s.node_count == 0) return;
-  tell("  support of %d nodes of %d: %d%d%d at %g %g %g\n", (int)s.node_count, (int)s.body,
-       s.fixed[0], s.fixed[1], s.fixed[2], s.velocity[0], s.velocity[1], s.velocity[2]);
   r->status = ct_scene_add_support(r->scene, &s, &r->error);
 }
 
@@ -435,9 +411,6 @@ static void add_own(run *r, dice *d)
             *effect;
   if (!r->plain && chance(d, 6)) filled.nodes = NULL, filled.node_count = r->joined->node_count;
   if (chance(d, 2)) filled.memory_count = filled.node_count;
-  tell("  an effect of the user on %d nodes: k %g, c %g, push %g, begins %g, far %d, fails %g\n",
-       (int)filled.node_count, own->k, own->c, own->push, own->begin, own->far >= 0,
-       own->pending ? own->fail_at : INFINITY);
   r->status = ct_effect_create(&filled, &effect, &r->error);
   if (r->status == CT_OK) r->status = ct_scene_add_effect(r->scene, effect, &r->error);
 }
@@ -465,7 +438,6 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
           *faces = keep(r, (size_t)(count * per) + 1, sizeof *faces);
   for (int32_t i = 0; i < count * per; i++)
     faces[i] = b->side[side][i] + r->joined->bodies[*number].first_node;
-  tell("  effect %d on body %d, side %d\n", what, (int)*number, side);
   if (what == 0) {
     ct_gravity_def gravity = {COOKIE, {0.01 * real(d), 0.01 * real(d), 0.0}, number, 1, {0}};
     return ct_gravity_create_effect(&gravity, r->joined, effect, &r->error);
@@ -537,7 +509,6 @@ static void add_effects(run *r, dice *d)
   if (r->status == CT_OK && !r->plain && chance(d, 12)) {
     ct_damping_def relaxation = {COOKIE, .relaxation = 1};
     effect = NULL;
-    tell("  relaxation\n");
     r->status = ct_damping_create_effect(&relaxation, r->joined, &effect, &r->error);
     add_effect(r, effect);
   }
@@ -550,7 +521,6 @@ static void add_effects(run *r, dice *d)
     motion.nodes = nodes;
     for (int c = 0; c < 3; c++)
       motion.fixed[c] = chance(d, 2), motion.displacement[c] = 0.1 * real(d);
-    tell("  motion of %d nodes of body %d\n", (int)motion.node_count, number);
     effect = NULL;
     r->status = create_motion(&motion, 1, r->joined, &effect, &r->error);
     add_effect(r, effect);
@@ -567,19 +537,14 @@ static void build(run *r, dice *d, const variant *v)
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 8)) time.assembled = 1;
   if (chance(d, 3)) time.force_tolerance = 1e-3;
-  int plane = !chance(d, 4);
   ct_optimisations optimisations = v->optimisations;
-  optimisations.plane_strain = plane;
+  optimisations.plane_strain = !chance(d, 4);
   if (r->status == CT_OK)
     r->status = ct_scene_set_optimisations(r->scene, &optimisations, &r->error);
   if (r->status == CT_OK)
     r->status = ct_scene_build(r->scene, &time, &r->problem, &steps, &stable, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->state, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->back, &r->error);
-  if (r->status != CT_OK) return;
-  tell("  integrator %d, assembled %d, forces to %g, fraction %g, dt %.17g, plane strain %d\n",
-       (int)time.integrator.scheme, time.assembled, time.force_tolerance, time.fraction,
-       r->problem->dt, plane);
 }
 
 /* The same scene whenever the dice are the same. */
@@ -838,17 +803,13 @@ static void beside(dice scene, variant one, variant other)
   run a, b;
   ct_error e;
   dice d = scene, twin = scene;
-  int was = verbose;
   open_run(&a, &d, &one);
-  verbose = 0;
   open_run(&b, &twin, &other);
-  verbose = was;
   if (a.status != b.status) {
     fprintf(stderr, "%s | %s\n", a.status ? a.error.text : "built",
             b.status ? b.error.text : "built");
     demand(0, "both scenes can be built, or none");
   }
-  if (a.status != CT_OK) tell("  not built: %s\n", a.error.text);
   if (a.status == CT_OK) {
     total_built++;
     compare_numbers(&a, &a.problem->dt, &b.problem->dt, 1, "time step");
@@ -857,14 +818,10 @@ static void beside(dice scene, variant one, variant other)
       demand(ct_state_copy(a.problem, a.state, a.back, &e) == CT_OK &&
                  ct_state_copy(b.problem, b.state, b.back, &e) == CT_OK,
              "a copy of a state");
-      tell("  %lld steps\n", (long long)steps);
       take_steps(&a, &one, steps);
       take_steps(&b, &other, steps);
       demand(!a.spoilt || a.status != CT_OK, "what is not finite is found");
-      if (a.status != CT_OK || b.status != CT_OK) {
-        tell("  %s | %s\n", a.status ? a.error.text : "", b.status ? b.error.text : "");
-        if (!recover(&a, &b, &d)) break;
-      }
+      if ((a.status != CT_OK || b.status != CT_OK) && !recover(&a, &b, &d)) break;
       compare_states(&a, &b);
       int asked = !a.own.pending && chance(&d, 2);
       if (asked) compare_ledgers(&a, &b);
@@ -897,8 +854,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
       (ct_optimisations){.sleep = !chance(own, 5), .shared_stiffness = below(own, 2)};
   some.threads = chance(own, 3) ? (int[]){2, 3, 8}[below(own, 3)] : 1;
   some.calm = chance(own, 4);
-  tell("sleep %d, shared stiffness %d, %d threads, calm %d\n", some.optimisations.sleep,
-       some.optimisations.shared_stiffness, some.threads, some.calm);
   beside(scene, all, some);
   return 0;
 }
@@ -906,13 +861,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 #ifdef FUZZ_MAIN
 #include "seeds.h"
 
-/* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. A single
- * input is told. */
+/* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. */
 int main(int count, char **argument)
 {
   unsigned long long first = count > 2 ? strtoull(argument[2], NULL, 10) : 1;
   long long most = count > 3 ? atoll(argument[3]) : -1;
-  verbose = most == 1;
   run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, most);
   printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld failures %lld steps %lld "
          "forces of elements left out %lld\n",
