@@ -17,7 +17,6 @@ matplotlib.use("Agg")
 
 import effects  # noqa: E402
 import off_is_free  # noqa: E402
-import penalty  # noqa: E402
 import plates  # noqa: E402
 import projection  # noqa: E402
 import savings  # noqa: E402
@@ -54,7 +53,7 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     where = machine()
     print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
-    for bench in (plates, penalty, projection, search, effects, savings, off_is_free, whole):
+    for bench in (plates, projection, search, effects, savings, off_is_free, whole):
         result = bench.measure()
         print("\n" + bench.report(result), flush=True)
         (folder / f"{bench.__name__}.json").write_text(
