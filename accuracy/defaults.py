@@ -219,6 +219,13 @@ def octant(
     return np.concatenate(inside)
 
 
+def joined(corners: NDArray[np.float64]) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and elements of bricks that are given by their corners (elements, 8, 3)."""
+    points = corners.reshape(-1, 3)
+    _, first, numbers = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    return points[first], numbers.reshape(-1, 8).astype(np.int32)
+
+
 def ball(parts: int = 6, layers: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and elements of the unit ball: an octant and its mirror images."""
     part, whole = octant(parts, layers), []
@@ -226,9 +233,7 @@ def ball(parts: int = 6, layers: int = 4) -> tuple[np.ndarray, np.ndarray]:
         # The nodes of a mirrored brick are reordered, bottom and top exchanged.
         order = np.arange(8) if np.prod(signs) > 0 else np.roll(np.arange(8), 4)
         whole.append((part * signs)[:, order])
-    points = np.concatenate(whole).reshape(-1, 3)
-    _, first, numbers = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
-    return points[first], numbers.reshape(-1, 8).astype(np.int32)
+    return joined(np.concatenate(whole))
 
 
 def ball_on_a_plane(keys: Keys) -> Answer:

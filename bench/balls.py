@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 import numpy as np
+from hertz import coordinates
 from libcontact.mesh import Mesh
 
 import libcontact as ct
@@ -28,17 +29,9 @@ TURNED = {8: [4, 5, 6, 7, 0, 1, 2, 3]}
 TURNED[20] = [*TURNED[8], *range(12, 16), *range(8, 12), *range(16, 20)]
 
 
-def coordinates(n: int) -> np.ndarray:
-    """Equal elements over two contact radii, then growing ones."""
-    x = list(np.arange(2 * n + 1) * CONTACT / n)
-    while x[-1] < SIZE * CONTACT:
-        x.append(x[-1] + (x[-1] - x[-2]) * 2.0 ** (1.0 / n))
-    return np.array(x)
-
-
 def ball(element: str, n: int, up: bool) -> dict[str, Any]:
     """A quarter of a ball below the origin, or of one above: a graded block with a round end."""
-    at = coordinates(n)
+    at = coordinates(n, CONTACT, SIZE)
     cells = len(at) - 1
     mesh = Mesh.box(element, [0, 0, -cells], [cells] * 3, [cells] * 3)
     x = np.interp(np.abs(mesh.nodes), np.arange(cells + 1), at) * [1, 1, -1]
@@ -68,7 +61,7 @@ def scene(element: str, n: int, m: int, impact: bool = False, **contact: Any) ->
     """Balls of which the upper one is pressed down by FORCE, or which meet such that about this force arises."""
     made = ct.Scene(title="balls", units={"length": "mm", "mass": "t", "time": "s"})
     made.add_material("elastic", young=YOUNG, poisson=POISSON, density=DENSITY)
-    size = coordinates(m)[-1]
+    size = coordinates(m, CONTACT, SIZE)[-1]
     # Hertz's largest approach and time of contact, for the mass of the blocks.
     speed = math.sqrt(0.8 * FORCE * APPROACH / (0.5 * 4.0 * size**3 * DENSITY)) if impact else 0.0
     for name, cells, way in (("lower", n, 0.5), ("upper", m, -0.5)):

@@ -25,10 +25,10 @@ MODULUS = YOUNG / (1.0 - POISSON**2)
 GAUSS = np.array([-1.0, 1.0]) / math.sqrt(3.0)
 
 
-def coordinates(n: int) -> np.ndarray:
+def coordinates(n: int, contact: float = CONTACT, size: float = SIZE) -> np.ndarray:
     """Equal elements over two contact radii, then growing ones; all sizes halve when n doubles."""
-    x = list(np.arange(2 * n + 1) * CONTACT / n)
-    while x[-1] < SIZE * CONTACT:
+    x = list(np.arange(2 * n + 1) * contact / n)
+    while x[-1] < size * contact:
         x.append(x[-1] + (x[-1] - x[-2]) * 2.0 ** (1.0 / n))
     return np.array(x)
 

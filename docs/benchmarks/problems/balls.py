@@ -42,9 +42,7 @@ def quarter_ball(parts: int, layers: int, grading: float) -> tuple[Any, Any]:
     """Nodes and elements of the quarter x, y ≥ 0 of the unit ball, finest at the poles."""
     part = defaults.octant(parts, layers, grading=grading)
     turned = (part * [1, 1, -1])[:, np.roll(np.arange(8), 4)]
-    points = np.concatenate([part, turned]).reshape(-1, 3)
-    _, first, numbers = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
-    return points[first], numbers.reshape(-1, 8).astype(np.int32)
+    return defaults.joined(np.concatenate([part, turned]))
 
 
 def ball_on_plane(ratio: float, parts: int, layers: int, grading: float) -> Numbers:
@@ -128,9 +126,7 @@ def half_ball(parts: int, core: float) -> tuple[Any, Any, Any]:
     upper = inverted(nested_octant(parts, 0.5)) * [1, 1, -1] + [0, 0, 2]
     both = np.concatenate([inverted(nested_octant(parts, core)), upper[:, np.roll(range(8), 4)]])
     both = np.concatenate([both, (both * [-1, 1, 1])[:, [1, 0, 3, 2, 5, 4, 7, 6]]])
-    points = both.reshape(-1, 3)
-    _, first, numbers = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
-    nodes, elements = points[first], numbers.reshape(-1, 8).astype(np.int32)
+    nodes, elements = defaults.joined(both)
     nodes[np.abs(nodes) < 1e-9] = 0.0
     outside = np.abs(np.linalg.norm(nodes - [0, 0, 1], axis=1) - 1) < 1e-9
     near = outside & (np.linalg.norm(nodes, axis=1) < 1.25 * core)
