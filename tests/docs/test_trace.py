@@ -113,10 +113,7 @@ def build(tmp_path):
         for name, old, new in changes:
             assert old in files[name]
             files[name] = None if new is None else files[name].replace(old, new)
-        for name, text in files.items():
-            if text is not None:
-                (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-                (tmp_path / name).write_text(text, encoding="utf-8")
+        books.write(tmp_path, {k: text for k, text in files.items() if text is not None})
         options = ("-W", "--keep-going", "-n", "-q")
         done = books.build(tmp_path, *options, source="docs", out="html")
         page = tmp_path / "html/trace.html"

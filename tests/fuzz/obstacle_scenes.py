@@ -154,7 +154,7 @@ def depth_of_centre(scene: dict, built: ct.Scene, run: ct.Run) -> float:
 def run_scene(scene: dict) -> dict:
     """Run a scene; what its bodies gained, and what was told."""
     told: list[str] = []
-    out = {"growth": 0.0, "steps": 0, "hit": False}
+    out = {"growth": 0.0, "hit": False}
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -170,7 +170,6 @@ def run_scene(scene: dict) -> dict:
         energy = run.energy
         bodies = energy["kinetic"] + energy["strain"]
         out["growth"] = growth_of(bodies, energy["obstacle"], energy["external"])
-        out["steps"] = int(run.steps[-1])
         out["hit"] = bool(energy["obstacle"].any())
         if ended == "ok":
             out["deepest"] = run.penetration[0]["points"]["deepest"]
@@ -189,12 +188,6 @@ def one(family: str, seed: int) -> dict:
         still = "velocity" not in scene["obstacle"][0] and "velocity" not in scene["body"][0]
         found["refused"] = how == "refuse" and "inside at the start" in found["ended"]
         found["still"] = how == "keep" and still
-    else:
-        shape = scene["obstacle"][0].get("sphere") or scene["obstacle"][0]["cylinder"]
-        box = scene["body"][0]["box"]
-        face = max(s / n for s, n in zip(box["size"], box["cells"]))
-        found["radius"] = shape["radius"] / face
-        found["travel"] = scene["time"]["end"]
     return found
 
 

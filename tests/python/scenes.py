@@ -1,5 +1,7 @@
 """What the scenes of many tests consist of, and the names of their energies."""
 
+import libcontact as ct
+
 METRES = {"length": "m", "mass": "kg", "time": "s"}
 MILLIMETRES = {"length": "mm", "mass": "t", "time": "s"}
 STEEL = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}  # in mm, t, s
@@ -12,3 +14,8 @@ EDGES = [divmod(ends, 10) for ends in (1, 12, 23, 30, 45, 56, 67, 74, 4, 15, 26,
 def box_of(origin, size, cells):
     """The table of a box, as in a scene file."""
     return {"origin": origin, "size": size, "cells": cells}
+
+
+def scene_with(name, units=METRES, title=None, **entries):
+    """A scene with a material, to which the rest is added."""
+    return ct.Scene(title=title, units=units).add_material(name, **entries)

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -211,8 +211,7 @@ def test_the_default_law_has_no_limit():
 
 def skins(n):
     """Two unit cubes of n³ bricks with density 1: coordinates, outer faces and masses."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material(name="soft", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.0, density=1.0)
     for name, z in ("low", 0.0), ("high", 1.0):
         box = box_of([0, 0, z], [1, 1, 1], [n, n, n])
         scene.add_body(name=name, element="hex8", material="soft", box=box)

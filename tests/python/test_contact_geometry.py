@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from libcontact.model import ENFORCEMENTS
-from scenes import METRES, box_of
+from scenes import METRES, box_of, scene_with
 
 import libcontact as ct
 from libcontact import loop
@@ -27,8 +27,7 @@ def blocks(
     **contact,
 ):
     """Two blocks end to end along x that overlap by a length; the right one has a speed."""
-    scene = ct.Scene(title="blocks", units=METRES)
-    scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+    scene = scene_with("soft", young=E, poisson=0.0, density=RHO, title="blocks")
     scene.add_body("left", material="soft", box=box_of([-thick, 0, 0], [thick, 1, 1], list(cells)))
     scene.add_body(
         "right",
@@ -161,8 +160,7 @@ def test_penetration_is_reported_at_corners_and_edges():
     """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not detect it,
     Lobatto's do."""
     for rule in ("gauss", "lobatto"):
-        scene = ct.Scene(title="corner", units=METRES)
-        scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+        scene = scene_with("soft", young=E, poisson=0.0, density=RHO, title="corner")
         scene.add_body("floor", material="soft", box=box_of([-1, -1, -1], [2, 2, 1], [4, 4, 2]))
         lattice = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
         a, b = np.pi / 4, np.arctan(2**-0.5) - np.pi / 2
@@ -189,8 +187,7 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
     depth, side, beta, speed = 0.02, 0.4, 1.0, 0.5
     kinetic = 0.5 * RHO * side**3 * speed**2
     for faces in (("z_max", "z_min"), ("outer", "outer")):
-        scene = ct.Scene(title="from the side", units=METRES)
-        scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+        scene = scene_with("soft", young=E, poisson=0.0, density=RHO, title="from the side")
         scene.add_body(
             "plate", material="soft", box=box_of([-1, -0.25, -0.2], [1, 0.5, 0.2], [10, 5, 2])
         )
@@ -222,8 +219,7 @@ def test_the_warning_of_a_corner_that_leads_names_the_points_that_help():
     """The lowest node of a coarse ball meets a plate before the Gauss points of its faces, and is a Lobatto point."""
     told = {}
     for points in ("gauss", "lobatto"):
-        scene = ct.Scene(title="a coarse ball", units=METRES)
-        scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+        scene = scene_with("soft", young=E, poisson=0.0, density=RHO, title="a coarse ball")
         scene.add_body("plate", material="soft", box=box_of([-1, -1, -0.2], [2, 2, 0.2], [8, 8, 1]))
         scene.add_body(
             "ball",

@@ -3,7 +3,7 @@ force and moment of the points, tables."""
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -13,8 +13,7 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def blocks(n, m, element="hex8", **contact):
     """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the
     pressure 1 and at rest."""
-    scene = ct.Scene(title="blocks", units=METRES)
-    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    scene = scene_with("elastic", young=1000.0, poisson=0.0, density=1.0, title="blocks")
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
         box = box_of([0, 0, z], [1, 1, 0.5], [cells, cells, max(cells // 2, 1)])
         scene.add_body(name, material="elastic", element=element, box=box)
@@ -120,8 +119,7 @@ def test_rows_name_body_and_node():
 
 def test_nothing_where_nothing_touches():
     """Separated bodies have no tractions and no areas."""
-    scene = ct.Scene(title="apart", units=METRES)
-    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    scene = scene_with("elastic", young=1000.0, poisson=0.0, density=1.0, title="apart")
     for name, z in (("lower", -1.0), ("upper", 0.1)):
         box = box_of([0, 0, z], [1, 1, 1], [2, 2, 2])
         scene.add_body(name, material="elastic", box=box)
@@ -133,8 +131,7 @@ def test_nothing_where_nothing_touches():
 
 def wall(gap=0.0):
     """A bar of 10 cubes hits a wall with the speed 1."""
-    scene = ct.Scene(title="wall", units=METRES)
-    scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
+    scene = scene_with("elastic", young=900.0, poisson=0.0, density=1.0, title="wall")
     box = box_of([gap, 0, 0], [1, 0.1, 0.1], [10, 1, 1])
     scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
     scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
@@ -207,8 +204,7 @@ def test_files_have_the_contact_pressure_by_default(tmp_path):
     """Where something can touch, and nowhere else."""
     wall(0.01).run(output=tmp_path / "wall.vtkhdf", until=0.025)
     assert ct.Run.load(tmp_path / "wall.vtkhdf").state["bar"].contact_pressure.max() > 0
-    free = ct.Scene(title="free", units=METRES)
-    free.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
+    free = scene_with("elastic", young=900.0, poisson=0.0, density=1.0, title="free")
     free.add_body("bar", material="elastic", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]))
     free.set_time(end=0.01, fraction=0.9).run(output=tmp_path / "free.vtkhdf")
     assert not ct.Run.load(tmp_path / "free.vtkhdf").state["bar"].holds("contact_pressure")

@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from scenes import MILLIMETRES, box_of
+from scenes import MILLIMETRES, STEEL, box_of, scene_with
 
 import libcontact as ct
 
@@ -29,8 +29,7 @@ def stored(view, k):
 
 def scene(own=True):
     """Two bars, one of them a mesh of arrays, that meet on a spring written in Python."""
-    made = ct.Scene(title="two bars", units=MILLIMETRES)
-    made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    made = scene_with(**STEEL, units=MILLIMETRES, title="two bars")
     made.add_body(
         "left",
         material="steel",
@@ -102,9 +101,7 @@ def test_a_copy_of_a_scene_goes_its_own_way(way):
 
 
 def test_a_scene_that_is_not_whole_yet_can_be_copied():
-    first = ct.Scene(title="", units=MILLIMETRES).add_material(
-        "steel", young=2.1e5, poisson=0.3, density=7.8e-9
-    )
+    first = scene_with(**STEEL, units=MILLIMETRES)
     for way in WAYS:
         second = way(first).add_body(
             "bar", material="steel", element="hex8", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])

@@ -5,9 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from scenes import METRES
-
-import libcontact as ct
+from scenes import scene_with
 
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
@@ -86,8 +84,7 @@ class Body:
 
 
 def scene(nu, young=1.0, **body):
-    made = ct.Scene(units=METRES)
-    made.add_material("elastic", young=young, poisson=nu, density=1.0)
+    made = scene_with("elastic", young=young, poisson=nu, density=1.0)
     return made.add_body("bar", material="elastic", **body)
 
 

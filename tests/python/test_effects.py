@@ -3,14 +3,13 @@ columns of the energy balance."""
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
 
 def bar(cells=100, length=10.0, width=0.1, **body):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=900.0, poisson=0.0, density=1.0)
     return scene.add_body(
         "bar", material="soft", box=box_of([0, 0, 0], [length, width, width], [cells, 1, 1]), **body
     )
@@ -65,8 +64,7 @@ def impulse_of_sudden_weight(t):
 def test_a_block_that_is_laid_on_a_floor_does_not_bounce(ramp, apart):
     """The force on the floor is the mean of the wave of a sudden weight over the time in which the weight grows
     (eq:laid-block, eq:laid-slowly). Ten elements smooth its kinks, which a ramp of half a period shows most."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e6, poisson=0.0, density=1000.0)
+    scene = scene_with("soft", young=1e6, poisson=0.0, density=1000.0)
     scene.add_body("block", material="soft", box=box_of([0, 0, 0], [0.3, 0.3, HEIGHT], [2, 2, 10]))
     scene.add("obstacle", surface="block.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]})
     end = ramp * PERIOD

@@ -11,7 +11,7 @@ from libcontact._core import ffi, lib
 from libcontact.mesh import Mesh
 from libcontact.run import Run, RunError
 from libcontact.state import State
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 from libcontact import loop
@@ -24,8 +24,7 @@ with_and_without_file = pytest.mark.parametrize(
 
 def bars(law="linear", **time):
     """A bar that is fixed at x = 0 and pulled at x = 10, and another one at rest; ν = 0, c = 1."""
-    scene = ct.Scene(title="bars", units=METRES)
-    scene.add_material("rubber", young=2.0, poisson=0.0, density=2.0, law=law)
+    scene = scene_with("rubber", young=2.0, poisson=0.0, density=2.0, law=law, title="bars")
     for name, y in (("other", 5.0), ("bar", 0.0)):
         scene.add_body(name, material="rubber", box=box_of([0, y, 0], [10, 1, 1], [10, 1, 1]))
     scene.add_support("bar.x_min", fix=["x"]).add_support(
@@ -235,8 +234,7 @@ def guarded(most, start, refused):
             raise ct.StepError("this step is too long", int(lib.CT_ERROR_STEP))
         return np.zeros_like(view.displacement)
 
-    scene = ct.Scene(title="guard", units=METRES)
-    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("m", young=1.0, poisson=0.0, density=1.0, title="guard")
     box = box_of([0, 0, 0], [1, 1, 1], [2, 1, 1])
     scene.add_body("b", material="m", box=box, velocity=[0.1, 0, 0])
     return scene.set_time(end=10.0, dt=0.25).add_effect("guard", "b", "x_max", force)
@@ -303,8 +301,7 @@ def test_a_divided_run_that_is_continued_has_the_same_bits(integrator, every, tm
 
 def bullet(integrator="central_difference", every=1):
     """A thin plate hits another one at 20 times the speed of sound, at t = 0.3."""
-    scene = ct.Scene(title="bullet", units=METRES)
-    scene.add_material("m", young=1.0, poisson=0.3, density=1.0)
+    scene = scene_with("m", young=1.0, poisson=0.3, density=1.0, title="bullet")
     for name, x in (("left", -0.05), ("right", 6.0)):
         scene.add_body(
             name,
@@ -347,8 +344,7 @@ def test_bad_keys_of_the_watch_are_refused(key, value):
 
 def flying(force, stores=True):
     """A block in free flight, and a force of the user on all its nodes."""
-    scene = ct.Scene(title="flying", units=METRES)
-    scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
+    scene = scene_with("soft", young=2.0, poisson=0.3, density=1.5, title="flying")
     scene.add_body(
         "block", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]), velocity=[1, 0, 0]
     )
@@ -391,8 +387,7 @@ def test_growth_is_told_at_once_and_at_the_end_though_it_is_gone():
 def test_growth_names_the_contact_that_makes_it(where):
     """An explicit penalty, too stiff for its step, feeds energy into a bar that hits a wall or an equal bar."""
     bar = lambda x: box_of([x, 0, 0], [10, 0.2, 0.2], [50, 1, 1])
-    scene = ct.Scene(title="bars", units=METRES)
-    scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body(
+    scene = scene_with("m", young=900.0, poisson=0.0, density=1.0, title="bars").add_body(
         "bar", material="m", box=bar(0.05), velocity=[-10, 0, 0]
     )
     stiff = {"beta": 10, "enforcement": "penalty"}
@@ -436,8 +431,7 @@ def test_growth_of_a_solid_names_the_body(monkeypatch):
 
 def test_what_comes_in_from_outside_is_no_growth():
     """A moving ball, a moving support, a load that is switched on, weight, friction and dampers."""
-    scene = ct.Scene(title="outside", units=METRES)
-    scene.add_material("m", young=100.0, poisson=0.3, density=1.0)
+    scene = scene_with("m", young=100.0, poisson=0.3, density=1.0, title="outside")
     scene.add_body("floor", material="m", box=box_of([-1, -1, -1], [3, 3, 1], [4, 4, 2]))
     scene.add_body("block", material="m", box=box_of([0, 0, 0], [1, 1, 1], [3, 3, 3]))
     scene.add_contact("floor.z_max", "block.z_min", friction=0.3).add_support(
@@ -476,9 +470,12 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
     must not count as energy. Each report is an error."""
     for seed in range(8):
         axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
-        scene = ct.Scene(title="rest", units=METRES)
-        scene.add_material(
-            "m", young=2e5 if seed % 2 else 1.0, poisson=0.3, density=1e-8 if seed % 2 else 1.0
+        scene = scene_with(
+            "m",
+            young=2e5 if seed % 2 else 1.0,
+            poisson=0.3,
+            density=1e-8 if seed % 2 else 1.0,
+            title="rest",
         )
         duration = math.sqrt(1e-8 / 2e5) if seed % 2 else 1.0
         for name, z in (("lower", 0.0), ("upper", 1.0)):
@@ -548,8 +545,7 @@ def worst_determinants(nodes, cells):
 def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_name(seed):
     def scene(amount):
         nodes, cells = distorted(amount, seed)
-        out = ct.Scene(title="distorted", units=METRES)
-        out.add_material("soft", young=2.0, poisson=0.3, density=1.0)
+        out = scene_with("soft", young=2.0, poisson=0.3, density=1.0, title="distorted")
         return out.add_body(
             "block", material="soft", nodes=nodes, elements=cells, velocity=[0.1, 0.0, 0.0]
         ).set_time(end=1.0, fraction=0.9), worst_determinants(nodes, cells)

@@ -6,7 +6,7 @@ import pickle
 import h5py
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -18,8 +18,7 @@ def impact(cells=12, passes=0, contact=False, **output):
     """The plates of the paper in units d = rho = v0 = c1 = 1, without contact the right one on its plane of
     symmetry."""
     young, h = (1 + NU) * (1 - 2 * NU) / (1 - NU), 1 / cells
-    scene = ct.Scene(units=METRES)
-    scene.add_material("steel", young=young, poisson=NU, density=1.0)
+    scene = scene_with("steel", young=young, poisson=NU, density=1.0)
     for name in ("left", "right") if contact else ("right",):
         side = -1 if name == "left" else 1
         box = box_of([min(side, 0), 0, 0], [1, h, 1], [cells, 1, cells])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from commands import captured
 from libcontact._core import lib
-from scenes import MILLIMETRES, box_of
+from scenes import MILLIMETRES, STEEL, box_of, scene_with
 
 import libcontact as ct
 
@@ -55,8 +55,7 @@ for cells in (4, 24):
 
 
 def scene(cells=24):
-    made = ct.Scene(title="two blocks", units=MILLIMETRES)
-    made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    made = scene_with(**STEEL, units=MILLIMETRES, title="two blocks")
     for name, x, velocity in (("left", -1.0, 1000.0), ("right", 0.0, 0.0)):
         made.add_body(
             name,

@@ -8,7 +8,7 @@ import defaults
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import METRES, MILLIMETRES
+from scenes import MILLIMETRES, scene_with
 
 import libcontact as ct
 
@@ -34,8 +34,7 @@ X, Z = np.concatenate([-X[:0:-1], X]), places(N)
 
 
 def shifted(friction: float) -> ct.Run:
-    made = ct.Scene(units=MILLIMETRES)
-    made.add_material("m", young=YOUNG, poisson=POISSON, density=1e-9)
+    made = scene_with("m", young=YOUNG, poisson=POISSON, density=1e-9, units=MILLIMETRES)
     cells = [len(X) - 1, 1, len(Z) - 1]
     mesh = Mesh.box("hex8", [0, 0, 0], cells, cells)
     i = np.rint(mesh.nodes).astype(int)
@@ -103,9 +102,7 @@ def test_a_ball_that_strikes_obliquely_in_gross_slip():
     kappa, chi = 2 * (1 - nu) / (2 - nu), 3.5 * (1 - nu) / (2 - nu)
     along = 1.5 * (4 * chi - 1) * friction / kappa * speed
     nodes, elements = defaults.ball()
-    made = ct.Scene(units=METRES).add_material(
-        "m", young=1.0, poisson=nu, density=1.0, law="st_venant_kirchhoff"
-    )
+    made = scene_with("m", young=1.0, poisson=nu, density=1.0, law="st_venant_kirchhoff")
     made.add_body("ball", material="m", nodes=nodes, elements=elements, velocity=[along, 0, -speed])
     made.add(
         "obstacle",

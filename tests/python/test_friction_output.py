@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 from test_friction import MODULUS, A, N, R, X, shifted
-
-import libcontact as ct
 
 MU = 0.3
 
@@ -53,8 +51,7 @@ def test_partial_slip_from_the_output():
 
 def rubbing(element, speed):
     """A block that is pressed on another one, which rubs on a plane; the upper one is moved along x."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("m", young=1e3, poisson=0.3, density=1.0)
+    scene = scene_with("m", young=1e3, poisson=0.3, density=1.0)
     scene.add_body(
         "low", material="m", element=element, box=box_of([0, 0, 0], [2, 1, 0.5], [4, 2, 1])
     )
@@ -102,8 +99,7 @@ def test_slip_of_a_block_that_slides_and_of_one_that_stays():
     """All points of a block that slides have the traction μ p against the motion; those of one that is at rest on an
     incline below the angle of friction stick, with the traction p tan of the angle."""
     for angle, slides in ((0.2, False), (0.5, True)):
-        scene = ct.Scene(units=METRES)
-        scene.add_material("m", young=1e4, poisson=0.0, density=1.0)
+        scene = scene_with("m", young=1e4, poisson=0.0, density=1.0)
         scene.add_body("block", material="m", box=box_of([0, 0, 0], [1, 1, 0.2], [3, 3, 1]))
         plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
         scene.add("obstacle", surface="block.z_min", plane=plane, friction=MU, restitution=0)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -10,8 +10,7 @@ STRETCH, LENGTH, CELLS = 1e-2, 10.0, 40
 
 
 def bar(law="linear", **initial):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=900.0, poisson=0.0, density=1.0, law=law)
+    scene = scene_with("soft", young=900.0, poisson=0.0, density=1.0, law=law)
     h = LENGTH / CELLS
     box = box_of([0, 0, 0], [LENGTH, h, h], [CELLS, 1, 1])
     return scene.add_body("bar", material="soft", box=box, initial=initial)

@@ -10,7 +10,7 @@ import steps
 from libcontact._core import ffi, lib
 from libcontact.model import INTEGRATORS
 from libcontact.parts import read
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -26,8 +26,7 @@ LIMITS = {
 def plates(integrator: str, **keys) -> ct.Scene:
     """Two thick plates that meet, in plane strain, with regions that sleep for a time; the right one is also loaded at
     its far end."""
-    made = ct.Scene(title="plates", units=METRES)
-    made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
+    made = scene_with("soft", young=1e4, poisson=0.3, density=1.0, title="plates")
     for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
         made.add_body(
             name,
@@ -187,8 +186,7 @@ def test_loose_contact_forces_add_no_energy_and_restart_with_the_same_bits(tmp_p
 def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator, beta):
     """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to
     0.1 %, the impulse to 1.5 %."""
-    made = ct.Scene(title="bar", units=METRES)
-    made.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    made = scene_with("soft", young=900.0, poisson=0.0, density=1.0, title="bar")
     made.add_body(
         "bar",
         material="soft",

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -29,8 +29,7 @@ def pressed(
         "time": [*(rise * s), rise * (1 + 1e-6), 2 * rise],
         "value": [*(s**3 * (10 - 15 * s + 6 * s * s)), 1 + jolt, 1 + jolt],
     }
-    scene = ct.Scene(title="bar", units=METRES)
-    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("m", young=1.0, poisson=0.0, density=1.0, title="bar")
     box = box_of([0, 0, 0], [cells, 1, 1], [cells, 1, 1])
     scene.add_body("bar", material="m", box=box, element=element)
     plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
@@ -93,8 +92,7 @@ def test_the_mode_at_the_surface_has_the_frequency_of_the_book(beta):
 
 @pytest.mark.parametrize("beta", [1.0, 100.0])
 def test_a_wall_that_gathers_speed_makes_nothing(beta):
-    scene = ct.Scene(title="push", units=METRES)
-    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("m", young=1.0, poisson=0.0, density=1.0, title="push")
     box = box_of([0, 0, 0], [10, 1, 1], [10, 1, 1])
     scene.add_body("bar", material="m", box=box)
     s = np.linspace(0.0, 1.0, 100)
@@ -117,8 +115,7 @@ def test_restitution_0_is_the_law_of_the_gaps_alone(beta, fraction):
     """A bar of four unit elements bounces off a wall and is pressed on it again; by hand, in one dimension, with
     (eq:energy-controlled) and (eq:surface-damping)."""
     cells, g, v0, dt, zeta = 4, 0.3, -0.1, fraction, 0.15
-    scene = ct.Scene(title="bar", units=METRES)
-    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("m", young=1.0, poisson=0.0, density=1.0, title="bar")
     scene.add_body(
         "bar",
         material="m",
@@ -155,8 +152,7 @@ def test_an_elastic_cube_comes_to_rest_by_damping_alone():
     """The example of the chapter "Enforcement": the force on the floor after 1000 time units, over the weight."""
     off = {}
     for rate in (None, 0.02):
-        scene = ct.Scene(title="cube", units=METRES)
-        scene.add_material("m", young=1.0, poisson=0.3, density=1.0)
+        scene = scene_with("m", young=1.0, poisson=0.3, density=1.0, title="cube")
         scene.add_body("cube", material="m", box=box_of([0, 0, 0.02], [4, 4, 4], [4, 4, 4]))
         scene.add("gravity", acceleration=[0, 0, -1e-4])
         plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}

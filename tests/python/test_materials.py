@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import METRES
+from scenes import scene_with
 
 import libcontact as ct
 
@@ -26,8 +26,7 @@ def layered(
         "right": {"elements": np.flatnonzero(~left)},
         "all": {"elements": np.arange(len(elements))},
     }
-    scene = ct.Scene(units=METRES)
-    scene.add_material("hard", **hard).add_material("soft", **soft)
+    scene = scene_with("hard", **hard).add_material("soft", **soft)
     by_set = {"left": "hard", "right": "soft"} if material is None else material
     arrays = {"nodes": mesh.nodes, "elements": elements, "sets": sets}
     return scene.add_body("bar", material=by_set, **arrays, **keys)

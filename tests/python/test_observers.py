@@ -4,16 +4,14 @@ import numpy as np
 import pytest
 from libcontact.checks.warned import during
 from libcontact.observers import Observer
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
-import libcontact as ct
 from libcontact import loop
 
 
 def bars(contact=True):
     """Two bars that meet."""
-    scene = ct.Scene(title="bars", units=METRES)
-    scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
+    scene = scene_with("soft", young=2.0, poisson=0.3, density=1.5, title="bars")
     for name, x, v in (("left", -2.0, 0.1), ("right", 0.01, -0.1)):
         box = box_of([x, 0, 0], [2, 1, 1], [8, 2, 2])
         scene.add_body(name, material="soft", box=box, velocity=[v, 0, 0])

@@ -3,13 +3,11 @@
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 
 import numpy as np
 import pytest
-from commands import captured
-from scenes import ENERGY, MILLIMETRES, box_of
+from scenes import ENERGY, MILLIMETRES, STEEL, box_of, scene_with
 
 import libcontact as ct
 
@@ -19,48 +17,17 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STEPS = 4
 
 
-def writer_program(folder):
-    """The C test program: that of make's build (LIBCONTACT_BUILD names the folder), or one compiled here."""
-    folder_of_make = os.environ.get("LIBCONTACT_BUILD")
-    if folder_of_make and (ROOT / folder_of_make / "tests/test_output").exists():
-        return ROOT / folder_of_make / "tests/test_output"
-    compiler = shutil.which(os.environ.get("CC", "cc"))
-    flags = None
-    for name in ("hdf5-serial", "hdf5"):
-        try:
-            asked = captured(["pkg-config", "--cflags", "--libs", name])
-        except FileNotFoundError:
-            break
-        if asked.returncode == 0:
-            flags = asked.stdout.split()
-            break
-    if compiler is None or flags is None:
-        pytest.skip("no C compiler, or no HDF5 development files")
-    library = ROOT / "libcontact"
-    sources = [
-        path
-        for path in (library / "src").rglob("*.c")
-        if path.parent.name != "gsl" and path.name != "missing.c"
-    ]
-    program = folder / "test_output"
-    command = [
-        compiler,
-        "-std=c99",
-        "-ffp-contract=off",
-        "-O1",
-        "-I",
-        library / "include",
-        "-I",
-        ROOT / "tests/c",
-    ]
-    command += [*sources, ROOT / "tests/c/test_output.c", "-o", program, *flags, "-lm"]
-    subprocess.run([str(part) for part in command], check=True)
+def writer_program():
+    """The C test program of make's build, whose folder LIBCONTACT_BUILD names."""
+    program = ROOT / os.environ.get("LIBCONTACT_BUILD", "build") / "tests/test_output"
+    if not program.exists():
+        pytest.skip("no C test program: make build/tests/test_output")
     return program
 
 
 def write_results(folder):
     path = folder / "results.vtkhdf"
-    subprocess.run([str(writer_program(folder)), "--write", str(path), str(STEPS)], check=True)
+    subprocess.run([str(writer_program()), "--write", str(path), str(STEPS)], check=True)
     return path
 
 
@@ -75,9 +42,7 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
     may write."""
 
     def scene():
-        made = ct.Scene(title="bar", units=MILLIMETRES).add_material(
-            "steel", young=2.1e5, poisson=0.3, density=7.8e-9
-        )
+        made = scene_with(**STEEL, units=MILLIMETRES, title="bar")
         made.add_body(
             "bar",
             material="steel",
@@ -285,8 +250,7 @@ def test_restart_records(results):
 
 def test_fields_of_many_pieces_are_those_of_the_state(tmp_path):
     """Velocities and stresses are computed in pieces of 16384 rows; one piece has cells of both bodies."""
-    made = ct.Scene(title="pieces", units=MILLIMETRES)
-    made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    made = scene_with(**STEEL, units=MILLIMETRES, title="pieces")
     made.add_material("wood", young=1.1e4, poisson=0.2, density=6e-10)
     for name, x, material in (("left", -1, "steel"), ("right", 1, "wood")):
         box = box_of([x, 0, 0], [1, 1, 1], [26, 26, 26])

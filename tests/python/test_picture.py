@@ -6,7 +6,7 @@ import copy
 import numpy as np
 import pytest
 from libcontact.state import mises, principal
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -29,8 +29,9 @@ def hertz():
 
 def falling(**material):
     """A block that falls on a held plate."""
-    scene = ct.Scene(units=METRES, title="Falling block")
-    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, **material)
+    scene = scene_with(
+        "rubber", young=1e6, poisson=0.3, density=1000, **material, title="Falling block"
+    )
     plate = box_of([-1, -1, -0.4], [2, 2, 0.4], [10, 10, 2])
     block = box_of([-0.3, -0.3, 0.02], [0.6, 0.6, 0.6], [2, 2, 2])
     scene.add_body("plate", box=plate, material="rubber")
@@ -118,8 +119,7 @@ def test_a_run_without_a_file_keeps_its_states(block):
 
 def test_a_run_that_fails_can_be_drawn():
     """The states up to the last good one."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
+    scene = scene_with("rubber", young=1e6, poisson=0.3, density=1000)
     box = box_of([0, 0, 0], [1, 1, 1], [2, 2, 2])
     scene.add_body("block", box=box, material="rubber", velocity=[0, 0, 1])
     scene.add_effect(
@@ -226,8 +226,7 @@ def test_a_flat_scene_is_seen_along_its_thickness_with_the_stress_of_the_impact(
 
 def test_a_thin_plate_that_bends_is_not_flat():
     """Seen from above, a plate that bends would be squares of colours."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
+    scene = scene_with("rubber", young=1e6, poisson=0.3, density=1000)
     box = box_of([0, 0, 0], [1, 1, 0.05], [8, 8, 1])
     scene.add_body("plate", box=box, material="rubber")
     scene.add_support("plate.x_min", fix=["x", "y", "z"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -15,8 +15,7 @@ def cube(
     element="hex8", place=None, velocity=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0), side="outer"
 ):
     """A cube that flies into a plane through the origin."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
+    scene = scene_with("soft", young=1e5, poisson=0.3, density=1000.0)
     box = box_of([0, 0, 0], SIZE, [3, 3, 3])
     given = {"element": element, "velocity": [*velocity]} | ({"place": place} if place else {})
     scene.add_body("cube", material="soft", box=box, **given)
@@ -80,8 +79,7 @@ def test_two_bodies_of_one_mesh_file(tmp_path, monkeypatch):
     mesh = Mesh.box("hex8", (0, 0, 0), (2, 1, 1), (2, 1, 1))
     meshio = pytest.importorskip("meshio")
     meshio.write("brick.vtu", meshio.Mesh(mesh.nodes, [("hexahedron", mesh.elements)]))
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
+    scene = scene_with("soft", young=1e5, poisson=0.3, density=1000.0)
     scene.add_body("left", material="soft", mesh="brick.vtu")
     scene.add_body(
         "right", material="soft", mesh="brick.vtu", place={"move": [2, 0, 0]}, velocity=[-1, 0, 0]

@@ -12,7 +12,7 @@ from libcontact.errors import check, new_error
 from libcontact.planning import plan as planned
 from libcontact.problem import Held, new_state
 from libcontact.timing import LOOP, OUTPUT
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -20,8 +20,7 @@ needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="bu
 
 
 def two_bars(gap=1.0, v=(3.0, -2.0), cells=40, savings=None, end=2.0):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=900.0, poisson=0.0, density=1.0)
     for name, x, speed in (("left", -10.0, v[0]), ("right", gap, v[1])):
         box = box_of([x, 0, 0], [10, 0.5, 0.5], [cells, 1, 1])
         scene.add_body(name, material="soft", box=box, velocity=[speed, 0, 0])
@@ -70,8 +69,7 @@ def test_a_cost_of_a_fixed_part_and_one_for_each_piece_is_known_from_two_sizes()
 
 def pressed_block(**entries):
     """A block that falls on a floor, in contact with its whole lower face."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e5, poisson=0.0, density=1000.0)
+    scene = scene_with("soft", young=1e5, poisson=0.0, density=1000.0)
     box = box_of([0, 0, 0], [1, 1, 2], [16, 16, 32])
     scene.add_body("block", material="soft", box=box, velocity=[0, 0, -0.1])
     plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
@@ -223,9 +221,7 @@ def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_the
 def test_what_limits_the_step(effect, limit):
     """Dashpots on a cube with 4 elements along an edge have 2 c1 / (h/2) at their nodes and bound the step; so does a
     stiff penalty."""
-    scene = ct.Scene(title="limit", units=METRES).add_material(
-        "m", young=1e4, poisson=0.3, density=1.0
-    )
+    scene = scene_with("m", young=1e4, poisson=0.3, density=1.0, title="limit")
     for k, name in enumerate("ab"):
         scene.add_body(
             name,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from libcontact.model import INTEGRATORS
 from libcontact.schema import SceneError
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -17,8 +17,7 @@ MATERIAL = {"young": 900.0, "poisson": 0.0, "density": 1.0}
 
 def bar_on_a_wall(cells=(40, 1, 1), end=1.0, **time):
     """Doyen, Ern and Piperno's bar, which touches the wall: c = 30, ρ c v A = 300, contact until 2 L / c."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", **MATERIAL)
+    scene = scene_with("soft", **MATERIAL)
     box = box_of([0, 0, 0], [10, 1, 1], cells)
     scene.add_body("bar", material="soft", box=box, velocity=[-10, 0, 0])
     wall = {"point": [0, 0, 0], "normal": [1, 0, 0]}
@@ -28,8 +27,7 @@ def bar_on_a_wall(cells=(40, 1, 1), end=1.0, **time):
 
 def two_blocks(**contact):
     """A block falls askew on another one with a different mesh that is fixed below."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", **{**MATERIAL, "poisson": 0.3})
+    scene = scene_with("soft", **{**MATERIAL, "poisson": 0.3})
     low = box_of([0, 0, 0], [1, 1, 1], [3, 2, 2])
     high = box_of([0.1, 0.2, 1.001], [0.7, 0.6, 0.5], [2, 3, 2])
     scene.add_body("low", material="soft", box=low)
@@ -154,8 +152,7 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
 
 
 def test_a_support_on_a_path_has_the_force_that_moves_the_body():
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", **MATERIAL)
+    scene = scene_with("soft", **MATERIAL)
     scene.add_body("a", material="soft", box={"size": [2, 1, 1], "cells": [4, 1, 1]})
     ramp = {"time": [0, 1], "value": [0, 1]}
     scene.add_support("a.y_min", fix="y").add_support(

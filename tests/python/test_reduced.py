@@ -3,22 +3,20 @@ viscosity."""
 
 import numpy as np
 import pytest
-from scenes import MILLIMETRES, box_of
+from scenes import MILLIMETRES, STEEL, box_of, scene_with
 
 import libcontact as ct
 
 
 def block(cells=(4, 3, 3), **body):
-    scene = ct.Scene(units=MILLIMETRES)
-    scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    scene = scene_with(**STEEL, units=MILLIMETRES)
     return scene.add_body(
         "block", material="steel", box={"size": [4, 3, 3], "cells": list(cells)}, **body
     )
 
 
 def plates(**run):
-    scene = ct.Scene(units=MILLIMETRES)
-    scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    scene = scene_with(**STEEL, units=MILLIMETRES)
     for name, origin, speed in ("left", -0.5, 1000), ("right", 0.0, -1000):
         scene.add_body(
             name,
@@ -68,8 +66,7 @@ def test_reduced_integration_has_its_hourglass_energy_in_the_ledger():
 
 def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger():
     def hit(**viscosity):
-        scene = ct.Scene(units=MILLIMETRES)
-        scene.add_material("rod", young=2.1e5, poisson=0.0, density=7.8e-9)
+        scene = scene_with("rod", young=2.1e5, poisson=0.0, density=7.8e-9, units=MILLIMETRES)
         scene.add_body(
             "rod",
             material="rod",
@@ -110,9 +107,7 @@ def test_boxes_of_hex20_share_one_operator():
     np.testing.assert_allclose(box[1].dt, general[1].dt, rtol=0)
     u, v = (r[1].state["block"].displacement for r in (box, general))
     assert np.abs(u - v).max() < 1e-13 * np.abs(v).max()
-    ring = ct.Scene(units=MILLIMETRES).add_material(
-        "steel", young=2.1e5, poisson=0.3, density=7.8e-9
-    )
+    ring = scene_with(**STEEL, units=MILLIMETRES)
     ring.add_body(
         "ring",
         material="steel",
@@ -145,8 +140,9 @@ def test_what_does_not_go_together_is_refused(body, reason):
 
 
 def test_large_deformation_is_integrated_in_full():
-    scene = ct.Scene(units=MILLIMETRES)
-    scene.add_material("soft", young=1.0, poisson=0.3, density=1e-9, law="neo_hookean")
+    scene = scene_with(
+        "soft", young=1.0, poisson=0.3, density=1e-9, law="neo_hookean", units=MILLIMETRES
+    )
     with pytest.raises(ct.SceneError, match=r"body\[0\].integration.*neo_hookean"):
         scene.add_body(
             "block",

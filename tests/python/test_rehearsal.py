@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.planning import plan
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -28,8 +28,7 @@ def rehearsed(scene):
 
 
 def block(cells=(8, 8, 8), **entries):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0, law=entries.pop("law", None))
+    scene = scene_with("soft", young=1e6, poisson=0.3, density=1000.0, law=entries.pop("law", None))
     box = box_of([1, 2, 3], [1, 2, 3], list(cells))
     scene.add_body("block", material="soft", box=box, **entries)
     return scene.set_time(end=1.0, fraction=0.5)
@@ -107,8 +106,7 @@ ROUND = {
 def test_larger_elements_keep_the_body(cheap, shape):
     scene = block(cells=(20, 20, 20))
     if shape != "box":
-        scene = ct.Scene(units=METRES)
-        scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0)
+        scene = scene_with("soft", young=1e6, poisson=0.3, density=1000.0)
         scene.add_body("block", material="soft", **{shape: {"centre": [1, 2, 3], **ROUND[shape]}})
         scene.set_time(end=1.0, fraction=0.5)
     problem = scene._built(None)
@@ -160,8 +158,7 @@ def test_an_effect_of_the_user_is_rehearsed_with_nodes_of_its_own(cheap):
 
 
 def test_a_scene_that_stays_dear_with_the_largest_elements_is_not_rehearsed(cheap):
-    many = ct.Scene(units=METRES)
-    many.add_material("soft", young=1e6, poisson=0.3, density=1000.0)
+    many = scene_with("soft", young=1e6, poisson=0.3, density=1000.0)
     for i in range(10):
         many.add_body(f"block{i}", material="soft", box=box_of([2 * i, 0, 0], [1, 1, 1], [1, 1, 1]))
     assert rehearsed(many.set_time(end=3.0, fraction=0.5))[0] is None

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.parts import read
-from scenes import METRES, MILLIMETRES, box_of
+from scenes import MILLIMETRES, box_of, scene_with
 
 import libcontact as ct
 
@@ -30,7 +30,7 @@ def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
 def pressed(history, **time):
     """A block above another in a smooth box, with a gap of one element; its top goes down by five elements after the
     gap closes."""
-    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0.3, density=1e-9)
+    scene = scene_with("soft", young=1000, poisson=0.3, density=1e-9, units=MILLIMETRES)
     scene.add_body("low", material="soft", box=box_of([0, 0, 0], [3, 2, 10], [3, 2, 10]))
     scene.add_body("high", material="soft", box=box_of([0, 0, 11], [3, 2, 10], [3, 2, 10]))
     scene.add_contact("low.z_max", "high.z_min", beta=2)
@@ -52,8 +52,7 @@ def pressed(history, **time):
 def test_contacts_come_to_rest():
     """Contacts and obstacles of a relaxed scene have restitution 0 unless they give one; two blocks of 2 and 3
     elements, pressed together, then rest within 400 steps."""
-    scene = ct.Scene(title="blocks", units=METRES)
-    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    scene = scene_with("elastic", young=1000.0, poisson=0.0, density=1.0, title="blocks")
     for name, z, n in (("lower", -0.5, 2), ("upper", 0.0, 3)):
         box = box_of([0, 0, z], [1, 1, 0.5], [n, n, 1])
         scene.add_body(name, material="elastic", element="hex20", box=box)
@@ -97,7 +96,7 @@ def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
 
 
 def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
-    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene = scene_with("soft", young=1000, poisson=0, density=1e-9, units=MILLIMETRES)
     scene.add_body("bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [200, 1, 1]))
     scene.add_support(
         "bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 4e-6], "value": [0, 1]}
@@ -112,7 +111,7 @@ def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
 
 
 def test_a_run_that_does_not_come_to_rest_says_so():
-    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene = scene_with("soft", young=1000, poisson=0, density=1e-9, units=MILLIMETRES)
     scene.add_body(
         "bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [10, 1, 1])
     ).add_support("bar.x_min", fix="xyz")
@@ -154,7 +153,7 @@ def test_a_run_that_does_not_come_to_rest_says_so():
     ],
 )
 def test_what_contradicts_itself_is_refused(change, words):
-    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene = scene_with("soft", young=1000, poisson=0, density=1e-9, units=MILLIMETRES)
     scene.add_body("bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [10, 1, 1]))
     with pytest.raises(ct.SceneError) as refused:
         change(scene)

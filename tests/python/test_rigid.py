@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from libcontact.mesh import Mesh
 from libcontact.pictures.rigid import shape_at
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -12,7 +12,7 @@ SPIN = {"axis": [0, 3, 4], "rate": 2.0}
 
 
 def thrown(end=0.4, threads=1, **rigid):
-    scene = ct.Scene(units=METRES).add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=900.0, poisson=0.0, density=1.0)
     scene.add_body(
         "box",
         material="soft",
@@ -73,7 +73,7 @@ def test_a_rigid_body_is_explained():
     text = str(thrown().explain())
     assert "kernel rigid (a rigid body has no strain)" in text
     assert "rigid: box moves by its forces" in text
-    alone = ct.Scene(units=METRES).add_material("soft", young=9.0, poisson=0.0, density=1.0)
+    alone = scene_with("soft", young=9.0, poisson=0.0, density=1.0)
     alone.add_body("bar", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]))
     assert "no [[rigid]]: all bodies deform" in str(alone.set_time(end=1.0, fraction=0.5).explain())
 
@@ -83,7 +83,7 @@ def bar_with_head(cells, law="linear", **keys):
     x, edge = np.linspace(-1, 0.1, 11 * cells + 1), 0.1 / cells
     nodes, elements = lattice(x, np.array([0, edge]), np.array([0, edge]))
     head = np.flatnonzero(nodes[elements].mean(axis=1)[:, 0] > 0)
-    scene = ct.Scene(units=METRES).add_material("m", young=1.0, poisson=0.0, density=1.0, law=law)
+    scene = scene_with("m", young=1.0, poisson=0.0, density=1.0, law=law)
     mesh = {"nodes": nodes, "elements": elements, "sets": {"head": {"elements": head}}}
     scene.add_body("bar", material="m", **mesh, **keys)
     return scene.add("rigid", set="bar.head"), edge
@@ -129,7 +129,7 @@ def test_a_rod_that_hits_a_rigid_mass_is_slowed_as_by_a_dashpot(carried):
     worst = []
     for cells in (100, 200):
         edge, M = 1 / cells, 0.5
-        scene = ct.Scene(units=METRES).add_material("rod", young=1.0, poisson=0.0, density=1.0)
+        scene = scene_with("rod", young=1.0, poisson=0.0, density=1.0)
         scene.add_material("heavy", young=1.0, poisson=0.0, density=5.0)
         rod = box_of([-1, 0, 0], [1, edge, edge], [cells, 1, 1])
         scene.add_body("rod", material="rod", box=rod, velocity=[1e-3, 0, 0])
@@ -160,7 +160,7 @@ def test_a_rod_that_hits_a_rigid_mass_is_slowed_as_by_a_dashpot(carried):
 
 def test_a_rigid_ball_rolls_down_an_incline():
     """Without sliding it has 1 / (1 + I / (M R²)) of the acceleration, with the inertia of its lumped masses."""
-    scene = ct.Scene(units=METRES).add_material("soft", young=2e4, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=2e4, poisson=0.0, density=1.0)
     ball = {"centre": [0, 0, 1], "radius": 1.0, "cells": [2, 40]}
     scene.add_body("ball", material="soft", ball=ball).add("rigid", body="ball")
     g, angle, end = 9.81, 0.3, 0.8
@@ -198,7 +198,7 @@ def test_a_rigid_sphere_hits_an_elastic_plate_as_hertz_says(carried):
     across = np.arange(-a / 2, 1.6 * a, a / 4)
     nodes, elements = lattice(across, across, np.array([0.0, 0.2]))
     nodes[:, 2] += 1 - np.sqrt(1 - nodes[:, 0] ** 2 - nodes[:, 1] ** 2)
-    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=poisson, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=poisson, density=1.0)
     heavy = mass / (0.2 * (across[-1] - across[0]) ** 2)
     scene.add_material("heavy", young=1.0, poisson=0.0, density=heavy)
     falls = {"material": "heavy", "velocity": [0, 0, -speed]}
@@ -238,7 +238,7 @@ def test_a_sphere_with_mass_comes_to_rest_on_a_plate_as_hertz_says():
     x = [*np.arange(0, 2 * a, a / 4)]
     while x[-1] < 80 * a:
         x.append(x[-1] + 1.4 * (x[-1] - x[-2]))
-    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=0.3, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.3, density=1.0)
     plate = dict(zip(("nodes", "elements"), lattice(x, x, -np.array(x[::-1]))))
     scene.add_body("plate", material="soft", **plate)
     for face in ("x_min", "y_min", "z_min"):
@@ -262,7 +262,7 @@ def test_a_sphere_with_mass_runs_down_an_elastic_plate(angle, friction):
     """A solid sphere on an inclined plate: 5/7 g sin α if 2/7 tan α < μ, else g (sin α - μ cos α). Its weight grows
     in the first half of a second, so that it does not bounce."""
     edge, alpha, start, end = 1 / 8, np.radians(angle), 0.5, 2.0
-    scene = ct.Scene(units=METRES).add_material("soft", young=1e5, poisson=0.3, density=0.1)
+    scene = scene_with("soft", young=1e5, poisson=0.3, density=0.1)
     plate = box_of([-1, -0.5, -0.25], [3, 1, 0.25], [24, 8, 2])
     solid = {"mass": 1.0, "moments": 3 * [0.4], "centre": [0, 0, 1]}
     scene.add_body("plate", material="soft", box=plate)
@@ -288,7 +288,7 @@ def test_a_sphere_with_mass_runs_down_an_elastic_plate(angle, friction):
 def test_a_brick_has_the_mass_and_the_moments_that_are_given():
     """Its momentum and angular momentum at t = 0 are m v and I ω (eq:inertia-brick)."""
     given = {"mass": 3.0, "moments": [0.7, 0.9, 1.1], "centre": [1.0, -2.0, 0.5]}
-    scene = ct.Scene(units=METRES).add_material("any", young=1.0, poisson=0.0, density=17.0)
+    scene = scene_with("any", young=1.0, poisson=0.0, density=17.0)
     v, w = [0.3, 0.2, 0.1], np.array([0.01, 0.02, 0.02])
     spin = {"axis": w.tolist(), "rate": 0.03}
     scene.add_body("lump", material="any", inertia=given, velocity=v, spin=spin)
@@ -303,7 +303,7 @@ def test_a_brick_has_the_mass_and_the_moments_that_are_given():
 
 def test_a_picture_has_an_obstacle_where_its_carrier_is():
     """A cylinder flies freely and turns by ω t about an axis through the centre of its carrier."""
-    scene = ct.Scene(units=METRES).add_material("any", young=1e3, poisson=0.0, density=1.0)
+    scene = scene_with("any", young=1e3, poisson=0.0, density=1.0)
     scene.add_body("bar", material="any", box=box_of([9, 9, 9], [1, 1, 1], [1, 1, 1]))
     given = {"mass": 3.0, "moments": [1.0, 1.0, 1.0], "centre": [1, 0, 0]}
     spin, v = {"axis": [0, 0, 1], "rate": 2.0}, np.array([0.5, 0, 0.25])
@@ -325,7 +325,7 @@ def test_a_picture_has_an_obstacle_where_its_carrier_is():
 def test_only_the_path_of_a_spinning_sphere_divides_a_step(arm):
     """By .2 rad a step a sphere of radius .25 above a plate turns about its centre; or it moves by .2, being on a lever
     of length 1, and could pass through a body (eq:tunnelling)."""
-    scene = ct.Scene(units=METRES).add_material("soft", young=1e3, poisson=0.0, density=1e6)
+    scene = scene_with("soft", young=1e3, poisson=0.0, density=1e6)
     plate = box_of([-1.5, -1.5, -1], [3, 3, 0.5], [20, 20, 1])
     scene.add_body("plate", material="soft", box=plate)
     small = {"mass": 1.0, "moments": [1.0, 1.0, 1.0]}
@@ -340,7 +340,7 @@ def test_only_the_path_of_a_spinning_sphere_divides_a_step(arm):
 def test_elastic_slip_turns_with_the_obstacle():
     """A block rides on a turntable, and soft springs of friction hold it on its circle: it lags by no angle, as it
     would by 2 π |e| = .06 if its slip stayed in space."""
-    scene = ct.Scene(units=METRES).add_material("any", young=1e3, poisson=0.0, density=1.0)
+    scene = scene_with("any", young=1e3, poisson=0.0, density=1.0)
     block = box_of([0.95, -0.05, 0], [0.1, 0.1, 0.1], [2, 2, 1])
     spin = {"axis": [0, 0, 1], "rate": 1.0, "centre": [0, 0, 0]}
     scene.add_body("block", material="any", box=block, spin=spin).add("rigid", body="block")
@@ -361,7 +361,7 @@ def test_elastic_slip_turns_with_the_obstacle():
 def test_two_tumbling_boxes_collide_and_keep_their_momenta():
     """Momentum, angular momentum and total energy to round-off. The solver's motion is linear in the forces, so the
     kinetic energy is kept up to the square of the angle of a step, here 0.0015 (eq:rigid-turned)."""
-    scene = ct.Scene(units=METRES).add_material("soft", young=1000.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=1000.0, poisson=0.0, density=1.0)
     one, two = (
         box_of([0, 0, 0], [1, 0.3, 0.3], [6, 2, 2]),
         box_of([0.2, 0.8, -0.1], 3 * [0.4], 3 * [3]),

@@ -16,7 +16,7 @@ from libcontact.model import Material
 from libcontact.run import Run, RunError
 from libcontact.schema import SceneError
 from libcontact.state import BodyState, State
-from scenes import ENERGY, METRES, MILLIMETRES, box_of
+from scenes import ENERGY, MILLIMETRES, box_of, scene_with
 
 import libcontact as ct
 from libcontact import loop
@@ -507,8 +507,7 @@ def test_the_progress_bar_goes_to_stderr_when_it_is_wanted(capsys):
 def test_contact_points_are_seen():
     """Two blocks pressed together: gaps are negative where the pressure is, and pressure times weight is the force of
     both passes."""
-    scene = ct.Scene(title="blocks", units=METRES)
-    scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.0, density=1.0, title="blocks")
     for name, origin, velocity in (("left", -2.0, 0.1), ("right", 0.0, -0.1)):
         scene.add_body(
             name,

@@ -14,7 +14,7 @@ from libcontact.mesh import Mesh
 from libcontact.meshes import read_mesh
 from libcontact.schema import Place, Rows, SceneError
 from libcontact.units import Units
-from scenes import EDGES, METRES, MILLIMETRES, STEEL, box_of
+from scenes import EDGES, MILLIMETRES, STEEL, box_of, scene_with
 
 import libcontact as ct
 
@@ -135,8 +135,7 @@ def test_plates_are_those_of_the_paper():
 
 def test_the_scene_that_is_built_piece_by_piece_is_the_one_that_is_read():
     box = lambda x: box_of((x, 0, 0), np.array([2.5, 0.5, 2.5]), np.array([4, 1, 3]))
-    scene = ct.Scene(title="small plates", units=MILLIMETRES)
-    scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    scene = scene_with(**STEEL, units=MILLIMETRES, title="small plates")
     scene.add_body("left", box=box(-2.5), element="hex8", material="steel", velocity=[1000, 0, 0])
     scene.add_body(
         "right", box=box(0), element="hex8", material="steel", velocity=np.array([-1000, 0, 0])
@@ -148,8 +147,7 @@ def test_the_scene_that_is_built_piece_by_piece_is_the_one_that_is_read():
 
 
 def test_a_scene_without_time_says_so_when_it_is_used():
-    scene = ct.Scene(units=METRES)
-    scene.add_material("rubber", young=1e6, poisson=0.4, density=1000.0)
+    scene = scene_with("rubber", young=1e6, poisson=0.4, density=1000.0)
     scene.add_body("block", box={"size": [1, 1, 1], "cells": [1, 1, 1]}, material="rubber")
     with pytest.raises(SceneError, match="time: is missing"):
         scene.explain()
@@ -710,8 +708,7 @@ def test_the_error_of_the_page_is_the_error_that_comes(tmp_path, monkeypatch):
 
 def test_an_overlap_at_the_start_is_told():
     """The right block begins 0.1 inside the left one: explain warns of it."""
-    scene = ct.Scene(title="overlap", units=METRES)
-    scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.0, density=1.0, title="overlap")
     for name, origin in (("left", -1.0), ("right", -0.1)):
         scene.add_body(name, material="soft", box=box_of([origin, 0, 0], [1, 1, 1], [2, 2, 2]))
     scene.add_contact("left.x_max", "right.x_min", beta=1).set_time(end=1.0, fraction=0.5)

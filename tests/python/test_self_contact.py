@@ -8,7 +8,7 @@ import fuzz_self
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import METRES, box_of
+from scenes import METRES, box_of, scene_with
 
 import libcontact as ct
 
@@ -186,8 +186,7 @@ def test_explain_tells_who_meets_itself():
 
 
 def test_a_scene_piece_by_piece():
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
+    scene = scene_with("soft", young=1e5, poisson=0.3, density=1000.0)
     nodes, elements = hairpin()
     scene.add_body("u", material="soft", nodes=nodes, elements=elements).add_contact(
         "u.outer", "u.outer"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from libcontact.mesh import Mesh
 from libcontact.sets import Sets
-from scenes import METRES
+from scenes import METRES, scene_with
 
 import libcontact as ct
 from libcontact import meshes, problem
@@ -37,8 +37,7 @@ def sides_of(nodes, elements):
 
 def two_bars(named, element="hex8"):
     """Two bars of unlike meshes that hit, one held, one loaded; their surfaces named as sets or as planes."""
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1.0, poisson=0.2, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.2, density=1.0)
     for k, (name, cells) in enumerate((("a", (4, 3, 2)), ("b", (4, 2, 3)))):
         made = Mesh.box(element, (2.0 * k, 0, 0), (2, 1, 1), cells)
         nodes, elements = shuffled(made, k)
@@ -75,8 +74,7 @@ def test_a_set_gives_the_bits_of_the_plane_that_it_names(element):
 
 
 def block(sets, element="hex8", elements=None):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1.0, poisson=0.2, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.2, density=1.0)
     mesh = Mesh.box(element, (0, 0, 0), (2, 1, 1), (2, 1, 1))
     elements = mesh.elements if elements is None else elements
     scene.add_body("a", material="soft", nodes=mesh.nodes, elements=elements, sets=sets)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.mesh import view
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
@@ -200,8 +200,9 @@ OMEGA = math.sqrt((2 * MU + LAMBDA) / M)
 
 def one_element(angle, strain, steps):
     """It starts with the velocity of this strain, and takes steps of ``angle`` over its frequency."""
-    scene = ct.Scene(title="one element", units=METRES)
-    scene.add_material("m", young=2.0, poisson=0.3, density=2 * M, law="neo_hookean")
+    scene = scene_with(
+        "m", young=2.0, poisson=0.3, density=2 * M, law="neo_hookean", title="one element"
+    )
     box = box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])
     scene.add_body("b", material="m", box=box, velocity=[strain * OMEGA, 0, 0])
     scene.add_support("b.x_min", fix="x").add_support("b.outer", fix="yz")

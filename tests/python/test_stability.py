@@ -16,9 +16,7 @@ import shapes
 import stage as stages
 import zoo
 from libcontact.checks import warned
-from scenes import METRES, box_of
-
-import libcontact as ct
+from scenes import box_of, scene_with
 
 # Runs warn of intended features of the cases, and of a penalty that chatters. None is "thin": restitution is 1.
 MEANT = {"sizes": {"units"}, "contact_and_reference": set()}
@@ -179,9 +177,7 @@ def test_the_table_is_written(tmp_path, capsys):
 
 
 def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
-    scene = ct.Scene(title="fall", units=METRES).add_material(
-        "m", young=1e3, poisson=0.2, density=1.0
-    )
+    scene = scene_with("m", young=1e3, poisson=0.2, density=1.0, title="fall")
     scene.add_body(
         "block", box=box_of([0, 0, 0.01], [1, 1, 1], [2, 2, 2]), material="m", velocity=[0.5, 0, -1]
     )

@@ -4,9 +4,7 @@ comes from all eigenvalues of the assembled matrices and from runs just below an
 import numpy as np
 import pytest
 import steps
-from scenes import METRES, box_of
-
-import libcontact as ct
+from scenes import box_of, scene_with
 
 # A cube, one layer as in the plates, and flat bricks; edges that are not powers of two.
 SHAPES = {
@@ -26,8 +24,7 @@ BLOWN = 1e3
 
 def built(shape, element, nu, integrator="central_difference"):
     cells, size = SHAPES[shape]
-    made = ct.Scene(units=METRES)
-    made.add_material("elastic", young=1.0, poisson=nu, density=1.0)
+    made = scene_with("elastic", young=1.0, poisson=nu, density=1.0)
     box = {"size": list(size), "cells": list(cells)}
     made.add_body("block", material="elastic", box=box, **ELEMENTS[element])
     return made.set_time(end=1.0, fraction=0.5, integrator=integrator)._built(None)
@@ -53,8 +50,7 @@ def test_integrators(shape, element, nu):
 
 def thrown(n, friction, fraction=0.9):
     """A block of n³ bricks and of size 0.6 is thrown obliquely on one of size 1 and equally many."""
-    made = ct.Scene(units=METRES)
-    made.add_material("steel", young=2.1e11, poisson=0.3, density=7800.0)
+    made = scene_with("steel", young=2.1e11, poisson=0.3, density=7800.0)
     for name, low, edge, velocity in (
         ("slab", [0, 0, 0], 1.0, [0, 0, 0]),
         ("block", [0.2, 0.2, 1.0], 0.6, [2.0, 0, -1.0]),

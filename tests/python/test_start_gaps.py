@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from libcontact.model import ENFORCEMENTS
-from scenes import EDGES, METRES, box_of
+from scenes import EDGES, METRES, box_of, scene_with
 
 import libcontact as ct
 
@@ -243,8 +243,7 @@ def test_a_fold_that_gapes_is_closed():
         corners = np.array([[x + a, y + b, c] for x, y in boxes for a, b, c in CORNERS], float)
         nodes, elements = np.unique(corners, axis=0, return_inverse=True)
         nodes[:, 1] = np.array([0.0, 1.0, 1.1, 2.1])[nodes[:, 1].astype(int)]
-        scene = ct.Scene(title="hairpin", units=METRES)
-        scene.add_material("soft", young=100.0, poisson=0.3, density=1.0)
+        scene = scene_with("soft", young=100.0, poisson=0.3, density=1.0, title="hairpin")
         order = [0, 3, 2, 1, 4, 7, 6, 5]
         scene.add_body(
             "u", material="soft", nodes=nodes, elements=elements.reshape(-1, 8)[:, order]

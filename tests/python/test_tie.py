@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 
 
 def glued(beta=40.0, order=1):
-    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=0.3, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.3, density=1.0)
     scene.add_body("a", material="soft", box=box_of([0, 0, 0], [0.5, 1, 1], [4, 8, 8]))
     scene.add_body("b", material="soft", box=box_of([0.5, 0, 0], [0.5, 1, 1], [4, 11, 11]))
     return scene.add("tie", surfaces=["a.x_max", "b.x_min"][::order], beta=beta)
@@ -61,7 +61,7 @@ def test_threads_a_restart_and_exchanged_surfaces_have_the_same_bits(tmp_path):
 
 
 def test_a_rigid_body_is_glued_to_one_that_deforms():
-    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=0.3, density=1.0)
+    scene = scene_with("soft", young=1.0, poisson=0.3, density=1.0)
     scene.add_body(
         "a", material="soft", box=box_of([0] * 3, [1] * 3, [4] * 3), velocity=[0, 1e-3, 0]
     )
@@ -80,7 +80,7 @@ def test_a_rigid_body_is_glued_to_one_that_deforms():
 def test_a_tie_is_explained():
     text = str(moving(0.5).explain())
     assert "tie: a.x_max is glued to b.x_min; beta = 40; 740 of 740 points are tied" in text
-    alone = ct.Scene(units=METRES).add_material("soft", young=9.0, poisson=0.0, density=1.0)
+    alone = scene_with("soft", young=9.0, poisson=0.0, density=1.0)
     alone.add_body("bar", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]))
     assert "no [[tie]]" in str(alone.set_time(end=1.0, fraction=0.5).explain())
 

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import METRES, box_of
-
-import libcontact as ct
+from scenes import box_of, scene_with
 
 # Place of the upper block and its width: within the lower one, or over two of its edges.
 PLACES = {"within": ([0.1, 0.107, 1.05], 0.8137), "overhanging": ([0.3, 0.2, 1.05], 1.0)}
@@ -22,8 +20,7 @@ def rotation_of(seed):
 def oblique(rotation, swapped=False, place="within"):
     """Two blocks with unlike meshes that collide off their centres, all of it turned."""
     origin, side = PLACES[place]
-    made = ct.Scene(units=METRES)
-    made.add_material("m", young=100.0, poisson=0.3, density=1.0, law="st_venant_kirchhoff")
+    made = scene_with("m", young=100.0, poisson=0.3, density=1.0, law="st_venant_kirchhoff")
     for name, corner, wide, n, speed in (
         ("low", [0, 0, 0], 1.0, [3, 3, 2], [0, 0, 0.4]),
         ("high", origin, side, [2, 2, 2], [0.1, 0, -0.4]),
@@ -57,8 +54,7 @@ def test_a_turned_scene(seed, place):
 def struck(rotation, radius):
     """A block that falls on a cylinder along an oblique axis, all of it turned."""
     mesh = Mesh.box("hex8", *box_of([-0.5, -0.5, 0.0], [1, 1, 0.6], [3, 3, 2]).values())
-    made = ct.Scene(units=METRES)
-    made.add_material("m", young=100.0, poisson=0.3, density=1.0, law="st_venant_kirchhoff")
+    made = scene_with("m", young=100.0, poisson=0.3, density=1.0, law="st_venant_kirchhoff")
     made.add_body(
         "block",
         material="m",
@@ -95,7 +91,7 @@ def test_a_mirrored_cradle_of_which_a_side_is_held():
     """The rule for a layer between two contacts (:eq:`release-passed`) does not depend on which node is the first."""
     ends = {}
     for side in ("x_min", "x_max"):
-        made = ct.Scene(units=METRES).add_material("m", young=1.0, poisson=0.0, density=1.0)
+        made = scene_with("m", young=1.0, poisson=0.0, density=1.0)
         for i, speed in enumerate((0.01, 0.0, 0.0)):
             made.add_body(
                 f"b{i}",

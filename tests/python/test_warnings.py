@@ -11,7 +11,7 @@ import pytest
 from builds import leave_out_hdf5
 from libcontact.checks import warned
 from libcontact.mesh import Mesh
-from scenes import METRES, box_of
+from scenes import box_of, scene_with
 
 import libcontact as ct
 from libcontact import command
@@ -546,8 +546,7 @@ def test_no_tutorial_is_warned_of(path):
 
 def test_a_scene_with_a_contact_and_an_obstacle_is_watched_to_its_end():
     """Penetrations are told of both; a border is looked at only where two bodies meet."""
-    scene = ct.Scene(title="stack", units=METRES)
-    scene.add_material("m", young=1e4, poisson=0.3, density=1.0)
+    scene = scene_with("m", young=1e4, poisson=0.3, density=1.0, title="stack")
     for k, name in enumerate(("low", "top")):
         box = box_of([0, 0, 0.5 * k], [1, 1, 0.5], [2, 2, 1])
         scene.add_body(name, box=box, material="m")
