@@ -31,10 +31,9 @@ def compiled(source: str, folder: Path, effect: str = "none", whole: bool = Fals
     archive = [str(ROOT / "build" / "lib" / "libcontact.a")]
     if whole:
         archive = ["-Wl,--whole-archive", *archive, "-Wl,--no-whole-archive"]
-    wrapped = ["-Wl,--wrap=calloc", "-Wl,--wrap=free"] if source == "scene_loop.c" else []
     command = [os.environ.get("CC", "cc"), "-O2", "-std=c99", f"-DEFFECT={effect.upper()}"]
     command += [f"-I{ROOT / 'libcontact' / 'include'}", str(ROOT / "bench" / source)]
-    command += ["-o", str(out), *archive, "-fopenmp", "-lm", *wrapped]
+    command += ["-o", str(out), *archive, "-fopenmp", "-lm"]
     subprocess.run(command, check=True)
     return out
 

@@ -1,37 +1,14 @@
 /* Run one scene with chosen optimisations and tell steps, seconds, bytes held and at most on the
  * way there, and a hash of the state, as one line of JSON: scene_loop SCENE SAVINGS STEPS SCENE:
  * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c p, or -, and h
- * for the histories of ten probes in a scene with contact; STEPS 0: to the end. Memory is counted
- * where the linker wraps calloc and free. */
+ * for the histories of ten probes in a scene with contact; STEPS 0: to the end. */
 #define _POSIX_C_SOURCE 200809L
 #include <libcontact.h>
 
-#include <malloc.h>
+#include "../tests/c/counting.h"
+
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
-
-static size_t bytes_now, bytes_peak;
-
-void *__real_calloc(size_t count, size_t size);
-void __real_free(void *memory);
-void *__wrap_calloc(size_t count, size_t size);
-void __wrap_free(void *memory);
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-  void *memory = __real_calloc(count, size);
-  if (memory != NULL) bytes_now += malloc_usable_size(memory);
-  if (bytes_now > bytes_peak) bytes_peak = bytes_now;
-  return memory;
-}
-
-void __wrap_free(void *memory)
-{
-  if (memory != NULL) bytes_now -= malloc_usable_size(memory);
-  __real_free(memory);
-}
 
 static double seconds(void)
 {
@@ -202,6 +179,7 @@ int main(int count, char **argument)
 {
   if (count != 4) return 2;
   ct_scene *scene;
+  need(ct_set_allocator(&COUNTING, NULL));
   need(ct_scene_create(&scene, &error));
   ct_scene_time time = {.end = fill(scene, argument[1]), .fraction = 0.99};
   need(ct_scene_set_run_settings(scene, &(ct_run_settings){.clock = seconds}, &error));
@@ -219,7 +197,7 @@ int main(int count, char **argument)
   int64_t elements = 0;
   for (int32_t b = 0; b < problem->body_count; b++)
     elements += problem->bodies[b].mesh->element_count;
-  size_t held = bytes_now, peak = bytes_peak;
+  size_t held = counted.held, peak = counted.peak;
   ct_probes *probes = strchr(argument[2], 'h') != NULL ? ten_probes(problem) : NULL;
   double start = seconds();
   need(probes == NULL ? ct_run(problem, state, steps, NULL, 0, &error)
