@@ -243,6 +243,41 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
   return later_contact(contact);
 }
 
+/* The scene of a pair: bodies, contact, and obstacles, each with its friction after it. */
+static inline ct_scene *scene_of_pair(const pair *p, const ct_contact_options *options)
+{
+  ct_scene *scene = new_scene();
+  for (int i = 0; i < p->bodies; i++)
+    add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
+                    p->velocity[i]);
+  const int b = p->bodies - 1;
+  ct_scene_contact contact =
+      scene_contact(0, p->faces[0], p->face_count[0], b, p->faces[b], p->face_count[b]);
+  contact.options = *options, contact.friction = p->friction,
+  contact.tangent = tangent_of(p, options);
+  if (!p->alone) must(ct_scene_add_contact, scene, &contact);
+  for (int k = 0; k < p->obstacles; k++) {
+    const int s = p->side[k];
+    const ct_problem *joined = join_scene(scene);
+    ct_effect *made = NULL;
+    ct_obstacle_def wall = p->wall[k];
+    ct_friction_def rub = ct_friction_def_default();
+    wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
+    wall.travel_time = options->travel_time, wall.restitution = options->restitution;
+    wall.kind = ct_brick_face_kind(p->mesh[s]->kind), wall.face_count = p->face_count[s];
+    const int entries = p->face_count[s] * ct_face_node_count(wall.kind);
+    int32_t *faces = integers(entries);
+    for (int i = 0; i < entries; i++) faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
+    wall.faces = faces;
+    must(ct_obstacle_create_effect, &wall, joined, &made);
+    must(ct_scene_add_effect, scene, made);
+    free_all(faces);
+    rub.on = made, rub.coefficient = p->rub[k], rub.tangent = tangent_of(p, options);
+    if (p->rub[k] > 0.0) add_made(scene, ct_friction_create_effect, &rub);
+  }
+  return scene;
+}
+
 /* A host's own loop: bodies with all their arrays. */
 typedef struct host {
   const pair *p;

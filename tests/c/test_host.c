@@ -4,54 +4,6 @@
 #include "counting.h"
 #include "hosts.h"
 
-static void give_effect(ct_scene *scene, ct_status made, ct_effect *effect, ct_error *e)
-{
-  need(made, e);
-  need(ct_scene_add_effect(scene, effect, e), e);
-}
-
-/* The obstacles of a scene, each with its friction after it. */
-static void add_walls(ct_scene *scene, const pair *p, const ct_contact_options *options)
-{
-  ct_error e;
-  const ct_problem *joined = join_scene(scene);
-  for (int k = 0; k < p->obstacles; k++) {
-    const int s = p->side[k];
-    ct_obstacle_def wall = p->wall[k];
-    wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
-    wall.travel_time = options->travel_time, wall.restitution = options->restitution;
-    wall.kind = ct_brick_face_kind(p->mesh[s]->kind), wall.face_count = p->face_count[s];
-    const int entries = p->face_count[s] * ct_face_node_count(wall.kind);
-    int32_t *faces = integers(entries);
-    for (int i = 0; i < entries; i++) faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
-    wall.faces = faces;
-    ct_effect *effect = NULL, *rub = NULL;
-    ct_status made = ct_obstacle_create_effect(&wall, joined, &effect, &e);
-    give_effect(scene, made, effect, &e);
-    ct_friction_def def = ct_friction_def_default();
-    def.on = effect, def.coefficient = p->rub[k], def.tangent = tangent_of(p, options);
-    if (p->rub[k] == 0.0) continue;
-    made = ct_friction_create_effect(&def, joined, &rub, &e);
-    give_effect(scene, made, rub, &e);
-  }
-}
-
-static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
-{
-  ct_scene *scene = new_scene();
-  for (int i = 0; i < p->bodies; i++)
-    add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
-                    p->velocity[i]);
-  const int b = p->bodies - 1;
-  ct_scene_contact contact =
-      scene_contact(0, p->faces[0], p->face_count[0], b, p->faces[b], p->face_count[b]);
-  contact.options = *options, contact.friction = p->friction,
-  contact.tangent = tangent_of(p, options);
-  if (!p->alone) must(ct_scene_add_contact, scene, &contact);
-  if (p->obstacles > 0) add_walls(scene, p, options);
-  return scene;
-}
-
 /* Difference of the host's values from those of a scene, and their largest size. */
 typedef struct told {
   double energy, most, before, lost, reaction, top, work, traction, pressure;
@@ -130,7 +82,7 @@ static void compare(const ct_problem *problem, ct_state *state, const ct_contact
 static void like_the_scene(pair p, const char *name, ct_contact_options options, double end,
                            double bits)
 {
-  ct_scene *scene = scene_of(&p, &options);
+  ct_scene *scene = scene_of_pair(&p, &options);
   ct_stable_step stable;
   int64_t steps;
   ct_error e;

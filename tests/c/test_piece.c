@@ -164,45 +164,11 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
   free_all(owners, at, owner);
 }
 
-/* A scene of a pair's bodies, contact, friction and obstacles. */
 static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement)
 {
-  ct_scene *scene = new_scene();
   ct_contact_options options = options_of(p, beta);
   options.enforcement = enforcement;
-  for (int i = 0; i < p->bodies; i++)
-    add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
-                    p->velocity[i]);
-  const int b = p->bodies - 1;
-  ct_scene_contact contact =
-      scene_contact(0, p->faces[0], p->face_count[0], b, p->faces[b], p->face_count[b]);
-  contact.options = options, contact.friction = p->friction;
-  if (!p->alone) must(ct_scene_add_contact, scene, &contact);
-  for (int k = 0; k < p->obstacles; k++) {
-    const int s = p->side[k];
-    ct_effect *made = NULL, *rub = NULL;
-    ct_obstacle_def wall = p->wall[k];
-    wall.epsilon = options.epsilon, wall.enforcement = enforcement;
-    wall.travel_time = options.travel_time, wall.restitution = options.restitution;
-    const ct_problem *joined = join_scene(scene);
-    int32_t *faces = integers(8 * p->face_count[s]);
-    const int per = ct_face_node_count(ct_brick_face_kind(p->mesh[s]->kind));
-    for (int i = 0; i < per * p->face_count[s]; i++)
-      faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
-    wall.kind = ct_brick_face_kind(p->mesh[s]->kind);
-    wall.face_count = p->face_count[s], wall.faces = faces;
-    must(ct_obstacle_create_effect, &wall, joined, &made);
-    must(ct_scene_add_effect, scene, made);
-    if (p->rub[k] > 0.0) {
-      ct_friction_def friction = ct_friction_def_default();
-      friction.on = made, friction.coefficient = p->rub[k];
-      friction.tangent = tangent_of(p, &options);
-      must(ct_friction_create_effect, &friction, joined, &rub);
-      must(ct_scene_add_effect, scene, rub);
-    }
-    free(faces);
-  }
-  return scene;
+  return scene_of_pair(p, &options);
 }
 
 /* Contact, friction and obstacles. */
