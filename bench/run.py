@@ -4,7 +4,6 @@ of the projections."""
 import json
 import os
 import platform
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,43 +14,24 @@ import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "accuracy"))
 import effects  # noqa: E402
 import off_is_free  # noqa: E402
 import plates  # noqa: E402
 import projection  # noqa: E402
 import savings  # noqa: E402
 import search  # noqa: E402
+import table  # noqa: E402
 import whole  # noqa: E402
 
 import libcontact as ct  # noqa: E402
 
 
-def machine() -> dict:
-    """Machine and software of the figures."""
-    try:
-        cpu = next(
-            line.split(":", 1)[1].strip()
-            for line in Path("/proc/cpuinfo").read_text().splitlines()
-            if line.startswith("model name")
-        )
-    except (OSError, StopIteration):
-        cpu = platform.processor()
-    compiler = subprocess.run(
-        [os.environ.get("CC", "cc"), "--version"], capture_output=True, text=True
-    ).stdout.splitlines()
-    return {
-        "cpu": cpu,
-        "system": platform.platform(),
-        "compiler": compiler[0] if compiler else "",
-        "python": platform.python_version(),
-        "libcontact": ct.__version__,
-    }
-
-
 def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    where = machine()
+    where = table.where() | {"system": platform.platform(), "python": platform.python_version()}
+    where["libcontact"] = ct.__version__
     print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
     for bench in (plates, projection, search, effects, savings, off_is_free, whole):
         result = bench.measure()
