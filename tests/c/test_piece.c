@@ -351,6 +351,27 @@ static void bisection(void)
   close_run(NULL, scene, m);
 }
 
+/* The edges of a cube of n cells a side differ by rounding, which does not choose where it is cut:
+ * across z, so that rows along x stay whole. (eq:piece-bisection) */
+static void cubes(void)
+{
+  int across = 0;
+  for (int n = 6; n <= 16; n += 2) {
+    ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, n, n, n);
+    ct_scene *scene = new_scene_with("cube", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
+    const ct_problem *problem = build_until(scene, 1.0, 0.9);
+    const int64_t all = all_elements(problem);
+    int32_t *owners = integers(all), right = 1;
+    must(ct_piece_bisect, problem, 2, NULL, owners);
+    for (int64_t i = 0; i < all; i++)
+      right &= owners[i] == (m->nodes[3 * m->elements[8 * i] + 2] > 0.5 - 1e-9);
+    across += right;
+    free_all(owners);
+    close_run(NULL, scene, m);
+  }
+  tap_ok(across == 6, "%d of 6 cubes are cut across z", across);
+}
+
 /* Calls that need all nodes refuse a piece, and calls for pieces a whole state. */
 static void refusals(void)
 {
@@ -595,6 +616,7 @@ int main(void)
   rigid(stacked(), "a rigid block on a block, a plane and a sphere", solved, 0.06);
   tied(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), "tied blocks", 0.06);
   bisection();
+  cubes();
   refusals();
   host_effects();
   known_step();

@@ -22,7 +22,8 @@ static int along_x(const void *a, const void *b) { return compare(a, b, 0); }
 static int along_y(const void *a, const void *b) { return compare(a, b, 1); }
 static int along_z(const void *a, const void *b) { return compare(a, b, 2); }
 
-/* The axis of the longest edge of the box around some centres. */
+/* The axis of the longest edge of the box around some centres; of edges that are equal but for
+ * rounding the last one, so that a mesh with rows along x keeps them whole. */
 static int longest(const item *items, int64_t count)
 {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -33,7 +34,7 @@ static int longest(const item *items, int64_t count)
       high[c] = fmax(high[c], items[i].x[c]);
     }
   for (int c = 1; c < 3; c++)
-    if (high[c] - low[c] >= high[axis] - low[axis]) axis = c;
+    if (high[c] - low[c] >= (1.0 - 1e-9) * (high[axis] - low[axis])) axis = c;
   return axis;
 }
 
