@@ -46,7 +46,9 @@ class Count:
 def counted(program: Path, *case: float, toggles: tuple[str, ...]) -> tuple[int, list[int]]:
     """Instructions of the thread with most of them in functions, and what the program printed."""
     with tempfile.TemporaryDirectory() as folder:
+        # What a message before the first function does is counted, too, until that begins.
         command = ["valgrind", "--tool=callgrind", "--separate-threads=yes"]
+        command += [f"--zero-before={toggles[0]}"]
         command += [f"--toggle-collect={name}" for name in toggles]
         command += [f"--callgrind-out-file={folder}/out", str(program), *map(str, case)]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
