@@ -350,9 +350,10 @@ static int add_releases(ct_solver *s)
   const int64_t points = s->point_count;
   list_releases(s);
   split_releases(s);
-  double some = (double)(s->count - points);
-  ct_pieces_largest(s->pieces, &some, 1);
-  if (some == 0.0) return 1;
+  double all[2] = {(double)s->count, (double)points};
+  ct_pieces_sum(s->pieces, all, 2);
+  s->all_count = isfinite(all[0]) ? (int64_t)all[0] : 0;
+  if (all[0] == all[1]) return 1;
   ct_matrix_choose(s);
   set_all(s->direction, 0, points, 0.0);
   set_all(s->direction, points, s->count, 1.0);

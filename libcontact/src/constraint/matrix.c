@@ -158,7 +158,10 @@ CT_INLINE int are_equal(const difference *d)
           LANE(d->weight, 1) | LANE(d->weight, 2) | LANE(d->weight, 3)) == 0;
 }
 
-int ct_matrix_stays(const ct_solver *s) { return s->kept && s->groups->other == 0; }
+int ct_matrix_stays(const ct_solver *s)
+{
+  return s->kept && s->pieces == NULL && s->groups->other == 0;
+}
 
 /* Whether the listed rows are those of the last step. The laws of the library's own rows stay. */
 static int are_known(const ct_solver *s)
@@ -229,7 +232,7 @@ void ct_matrix_fill(ct_solver *s)
   s->group_count = g - s->groups;
   if (d.nodes) count_rows(s);
   s->weight = largest_weight(s);
-  s->kept = s->pieces == NULL && s->bodies == NULL && !s->foreign;
+  s->kept = s->bodies == NULL && !s->foreign;
   s->along = have_one_normal(s, d.normal);
 }
 
@@ -260,20 +263,30 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
+/* Copy the shared sums with rows of this piece to their places in `joined`, or back. Inlined with a
+ * known number of components. */
+CT_INLINE void pass_shared(const ct_solver *s, int some, int back, double *restrict sums,
+                           double *restrict joined)
+{
+  for (int32_t k = 0; k < s->own_shared_count; k++) {
+    const int32_t at = s->own_shared[k];
+    double *sum = &sums[s->shared_nodes[at]], *to = &joined[some * (int64_t)at];
+    for (int c = 0; c < some; c++)
+      if (back) sum[c] = to[c];
+      else to[c] = sum[c];
+  }
+}
+
 void ct_matrix_join(const ct_solver *s, int first, int some, double *sums, double *joined)
 {
-  ct_clear(joined, (size_t)some * (size_t)s->shared_count);
-  for (int32_t k = 0; k < s->own_shared_count; k++) {
-    const int32_t at = s->own_shared[k];
-    for (int c = 0; c < some; c++)
-      joined[some * (int64_t)at + c] = sums[s->shared_nodes[at] + first + c];
-  }
-  ct_pieces_sum(s->pieces, joined, some * (int64_t)s->shared_count);
-  for (int32_t k = 0; k < s->own_shared_count; k++) {
-    const int32_t at = s->own_shared[k];
-    for (int c = 0; c < some; c++)
-      sums[s->shared_nodes[at] + first + c] = joined[some * (int64_t)at + c];
-  }
+  const int64_t count = some * (int64_t)s->shared_count;
+  // Where this piece has rows at all of them none is left out.
+  if (s->own_shared_count < s->shared_count) ct_clear(joined, (size_t)count);
+  if (some == 3) pass_shared(s, 3, 0, sums + first, joined);
+  else pass_shared(s, some, 0, sums + first, joined);
+  ct_pieces_sum(s->pieces, joined, count);
+  if (some == 3) pass_shared(s, 3, 1, sums + first, joined);
+  else pass_shared(s, some, 1, sums + first, joined);
 }
 
 /* The same for sums along the one normal n of all rows, which are fourth components; those of

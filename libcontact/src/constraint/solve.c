@@ -175,14 +175,16 @@ static int is_finite(const ct_solver *s)
   return isfinite(most);
 }
 
-/* Σ x_r y_r, independent of the order of the rows, on one grid only: a search needs no more. */
-static double product(ct_solver *s, const double *x, const double *y)
+/* Σ x_r y_r, independent of the order of the rows, on one grid only: a search needs no more.
+ * Another number becomes the largest one of all pieces. */
+static double product(ct_solver *s, const double *x, const double *y, double *other)
 {
-  double top = multiply(s->count, x, y, s->terms), count = (double)s->count, sum;
+  double top[2] = {multiply(s->count, x, y, s->terms), *other}, sum;
   ct_grid grid;
-  ct_pieces_largest(s->pieces, &top, 1);
-  ct_pieces_sum(s->pieces, &count, 1);
-  if (top == 0.0 || !ct_grid_init(&grid, top, (int64_t)count)) return top == 0.0 ? 0.0 : NAN;
+  ct_pieces_largest(s->pieces, top, 2);
+  *other = top[1];
+  if (top[0] == 0.0 || !ct_grid_init(&grid, top[0], s->all_count))
+    return top[0] == 0.0 ? 0.0 : NAN;
   sum = add_coarse(grid.coarse, s->terms, s->count);
   ct_pieces_sum(s->pieces, &sum, 1);
   return sum;
@@ -230,14 +232,6 @@ static double fastest_decrease(int64_t count, const double *force, const double 
   return fastest;
 }
 
-/* Largest step along the direction until the first force has its least value. */
-static double longest_step(const ct_solver *s)
-{
-  double fastest = fastest_decrease(s->count, s->force, s->least, s->direction);
-  ct_pieces_largest(s->pieces, &fastest, 1);
-  return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
-}
-
 /* Step along the direction, and update the gradient. */
 CT_CLONES
 static void step_along(int64_t count, double length, const double *direction, const double *image,
@@ -277,8 +271,9 @@ static int step_down(ct_solver *s)
 static int improve(ct_solver *s, double slope)
 {
   if (!apply(s, s->direction, s->image)) return -1;
-  double curvature = product(s, s->direction, s->image), longest = longest_step(s),
-         best = slope / curvature;
+  double fastest = fastest_decrease(s->count, s->force, s->least, s->direction);
+  const double curvature = product(s, s->direction, s->image, &fastest),
+               longest = fastest > 0.0 ? 1.0 / fastest : DBL_MAX, best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
     const double length = best < longest ? best : longest;
     step_along(s->count, length, s->direction, s->image, s->least, s->force, s->gradient);
@@ -408,7 +403,7 @@ static int find_forces(ct_solver *s)
     s->converged = is_solved(s, tolerance, d[MOST], d[TOP]);
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     int release = d[LIFT] > 0.0 && releases(s);
-    double slope = product(s, release ? s->direction : s->guide, s->gradient);
+    double slope = product(s, release ? s->direction : s->guide, s->gradient, &(double){0.0});
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
     first = improve(s, slope);

@@ -108,6 +108,7 @@ typedef struct ct_solver {
   double normal[3];       /* this normal */
   int32_t *entry_place;   /* begin of the places of their nodes in vectors at nodes */
   int64_t count;          /* active rows: of points, and then those of points that open */
+  int64_t all_count;      /* those of all pieces */
   int64_t point_count;    /* active rows of points */
   int64_t *first_point;   /* of each set in the active rows, shape (set_count + 1) */
   int64_t *first_release; /* the same of points that open */
