@@ -204,7 +204,8 @@ static void release_of_rows(void)
     for (int64_t j = 0; j < s->count; j++)
       gain[s->force[j] > 0.0] += s->gradient[j] * fmin(s->gradient[j] * s->scale[j], s->force[j]);
     double measures[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, measures);
+    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms,
+            measures);
     wrong += releases(s) != (gain[0] > gain[1]);
     taken += gain[0] > gain[1];
     release(&r);

@@ -175,47 +175,58 @@ static int is_finite(const ct_solver *s)
   return isfinite(most);
 }
 
-/* Σ x_r y_r, independent of the order of the rows, on one grid only: a search needs no more.
- * Another number becomes the largest one of all pieces. */
-static double product(ct_solver *s, const double *x, const double *y, double *other)
+/* Σ of terms that are known, the largest of all pieces being `top`, independent of their order, on
+ * one grid only: a search needs no more. */
+static double sum_terms(const ct_solver *s, double top)
 {
-  double top[2] = {multiply(s->count, x, y, s->terms), *other}, sum;
   ct_grid grid;
-  ct_pieces_largest(s->pieces, top, 2);
-  *other = top[1];
-  if (top[0] == 0.0 || !ct_grid_init(&grid, top[0], s->all_count))
-    return top[0] == 0.0 ? 0.0 : NAN;
-  sum = add_coarse(grid.coarse, s->terms, s->count);
+  if (top == 0.0 || !ct_grid_init(&grid, top, s->all_count)) return top == 0.0 ? 0.0 : NAN;
+  double sum = add_coarse(grid.coarse, s->terms, s->count);
   ct_pieces_sum(s->pieces, &sum, 1);
   return sum;
 }
 
-/* Measures of a unit step down the gradient that keeps forces at their least value or above: the
- * largest change of any force, the largest change of a force that has this value, and the largest
- * force. */
-enum { MOST, LIFT, TOP, MEASURES };
+/* Σ x_r y_r; another number becomes the largest one of all pieces. */
+static double product(const ct_solver *s, const double *x, const double *y, double *other)
+{
+  double top[2] = {multiply(s->count, x, y, s->terms), *other};
+  ct_pieces_largest(s->pieces, top, 2);
+  *other = top[1];
+  return sum_terms(s, top[0]);
+}
 
-/* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force. */
+/* Measures of a unit step down the gradient that keeps forces at their least value or above: the
+ * largest change of any force, the largest change of a force that has this value, the largest
+ * force, and the largest term of the guide times the gradient. */
+enum { MOST, LIFT, TOP, TERM, MEASURES };
+
+/* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force, and the
+ * terms of its product with the gradient. */
 CT_CLONES
 static void descend(int64_t count, const double *gradient, const double *scale, const double *force,
                     const double *least, double *restrict steps, double *restrict guide,
-                    double measures[MEASURES])
+                    double *restrict terms, double measures[MEASURES])
 {
-  double most = 0.0, top = 0.0, lift = 0.0;
-#pragma omp simd reduction(max : most, top, lift)
+  double most = 0.0, top = 0.0, lift = 0.0, largest = 0.0, all = 0.0;
+#pragma omp simd reduction(max : most, top, lift, largest) reduction(+ : all)
   for (int64_t r = 0; r < count; r++) {
     // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration), or
     // that of a tie, which has no limit (eq:tie-force)
     double down = gradient[r] * scale[r], above = force[r] - least[r],
            step = down < above ? down : above, size = fabs(step), up = above > 0.0 ? 0.0 : size,
-           strength = fabs(force[r]);
-    guide[r] = above > 0.0 ? down : 0.0;
+           strength = fabs(force[r]), leads = above > 0.0 ? down : 0.0, term = leads * gradient[r],
+           part = fabs(term);
+    guide[r] = leads;
     steps[r] = step;
+    terms[r] = term;
+    all += part; // as in ct_largest
+    largest = part > largest ? part : largest;
     most = size > most ? size : most;
     top = strength > top ? strength : top;
     lift = up > lift ? up : lift;
   }
   measures[MOST] = most, measures[LIFT] = lift, measures[TOP] = top;
+  measures[TERM] = isfinite(all) ? largest : INFINITY;
 }
 
 /* The largest part of any force by which a step along the direction decreases it. */
@@ -260,7 +271,8 @@ static void next_direction(int64_t count, double share, const double *guide,
 static int step_down(ct_solver *s)
 {
   double measures[MEASURES];
-  descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, measures);
+  descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms,
+          measures);
   for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->image[r];
   return find_gradient(s);
 }
@@ -398,12 +410,15 @@ static int find_forces(ct_solver *s)
   if (!find_gradient(s) || !is_finite(s)) return 0;
   for (;; tolerance = least) {
     double d[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, d);
+    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms, d);
     ct_pieces_largest(s->pieces, d, MEASURES);
     s->converged = is_solved(s, tolerance, d[MOST], d[TOP]);
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
-    int release = d[LIFT] > 0.0 && releases(s);
-    double slope = product(s, release ? s->direction : s->guide, s->gradient, &(double){0.0});
+    const int lifts = d[LIFT] > 0.0, release = lifts && releases(s);
+    // The last calls may have used the place of the terms.
+    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide,
+                                                      s->gradient, &(double){0.0})
+                                            : sum_terms(s, d[TERM]);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
     first = improve(s, slope);

@@ -472,9 +472,8 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
   ct_pieces_largest(sides[0].pieces, &top, 1);
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     // At a plane the sums of sizes need a third of the arrays.
-    size_t size = (plane && top > 0.0 ? 1 : 3) * (size_t)sides[s].search->node_count;
-    ct_clear(sides[s].force, size);
-    if (!plane) ct_clear(sides[s].force_fine, size);
+    const size_t size = (size_t)sides[s].search->node_count;
+    ct_clear(sides[s].force, plane ? (top > 0.0 ? 1 : 3) * size : 6 * size + 1);
   }
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
@@ -491,9 +490,7 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
     if (sides[s].fixed->kind == CT_SIDE_STATIONS)
       spread_stations(&grid, contact->solved, &sides[s], &sides[0]);
     else spread(&grid, contact->solved, &sides[s], ct_contact_other(contact, s));
-  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
-    ct_pieces_sum(sides[s].pieces, sides[s].force, 3 * (int64_t)sides[s].search->node_count);
-    ct_pieces_sum(sides[s].pieces, sides[s].force_fine, 3 * (int64_t)sides[s].search->node_count);
-  }
+  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) // coarse and fine sums
+    ct_pieces_sum(sides[s].pieces, sides[s].force, 6 * (int64_t)sides[s].search->node_count + 1);
   return CT_OK;
 }

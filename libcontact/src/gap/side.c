@@ -65,9 +65,10 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->listed,          side->x_built,    side->moved,   side->points,
-                    side->candidate_first, side->candidates, side->force,   side->force_fine,
-                    side->near_end,        side->met,        side->distant, side->runs};
+  void *blocks[] = {
+      side->listed,     side->x_built, side->moved,    side->points, side->candidate_first,
+      side->candidates, side->force,   side->near_end, side->met,    side->distant,
+      side->runs};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -85,12 +86,12 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed)
   memset(side, 0, sizeof *side);
   side->fixed = fixed;
   side->points = ct_allocate((size_t)fixed->point_count, sizeof *side->points);
-  side->force = ct_allocate(3 * nodes + 1, sizeof *side->force);
-  side->force_fine = ct_allocate(3 * nodes + 1, sizeof *side->force_fine);
+  side->force = ct_allocate(3 * nodes + 1, 2 * sizeof *side->force);
   side->moved = ct_allocate(3 * nodes + 1, sizeof *side->moved);
-  if (!side->points || !side->force || !side->force_fine || !side->moved ||
+  if (!side->points || !side->force || !side->moved ||
       ct_search_share(fixed->search, &side->search) != CT_OK)
     return CT_ERROR_MEMORY;
+  side->force_fine = side->force + 3 * nodes + 1;
   return CT_OK;
 }
 

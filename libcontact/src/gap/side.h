@@ -100,8 +100,8 @@ typedef struct ct_side {
   ct_point *points;  /* shape (face_count, rule.count) */
   int shifted;    /* whether a point may have a start gap now, or had one in the last step; ... */
   double nothing; /* ... if not, size of gaps that count as 0; else negative */
-  double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3), and one
-                                 number more, 0 */
+  double *force, *force_fine; /* nodal forces: coarse sums, and behind them the fine ones, each of
+                                 shape (node_count, 3), and one number more, 0 */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
                     since the last update, shape (node_count, 3), and one number more */
   /* For a side opposite to another one, else null: */
