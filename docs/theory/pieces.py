@@ -43,7 +43,7 @@ for parts in ((1, 1, 1), (2, 1, 1), (2, 2, 1), (2, 2, 2), (4, 4, 4)):
         f"{count:6} pieces {rows['elements'].max():18} {rows['received'].max():16} {told[0]:12} {told[1]:6}"
     )
 
-ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 100
+ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 74
 # Two surfaces of 10^6 faces: at each node the force so far, its contact force in two parts, a count of rows.
 SURFACE = 2e6 * 8 * (3 + 6 + 1) / BANDWIDTH
 # Bytes of the problem for a node and an element: ten numbers and the coordinates of the mesh; nodes of elements.
