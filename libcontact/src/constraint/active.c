@@ -179,6 +179,7 @@ int ct_active_throws(ct_solver *s)
   return most[0] > 0.0;
 }
 
+CT_CLONES
 static void set_all(double *numbers, int64_t first, int64_t end, double value)
 {
   for (int64_t r = first; r < end; r++) numbers[r] = value;

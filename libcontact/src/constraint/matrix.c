@@ -50,11 +50,21 @@ CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, doub
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
-/* What differs between the groups: a normal from that of the first row of all; and the nodes of a
- * group, or where they begin, from those of the last step. */
+/* What differs between the groups: bits of normals from that of the first row of all; and the nodes
+ * of a group, or where they begin, from those of the last step. */
 typedef struct changes {
-  int normal, nodes, begin;
+  quad_bits normal;
+  int nodes, begin;
 } changes;
+
+/* Numbers of one row, and what differs. */
+CT_INLINE void fill_next(const ct_solver *s, int32_t own, int32_t other, const ct_constraint *c,
+                         double *G, changes *d)
+{
+  const ct_quad *head = (const ct_quad *)s->G;
+  fill_row(own, other, c, G);
+  for (int i = 0; i < PARTS && i < 3; i++) d->normal |= ((const ct_quad *)G)[i] != head[i];
+}
 
 /* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
  * opposite each other, unlike four of more points in a row. */
@@ -71,18 +81,14 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
                           int64_t most, int32_t own, int32_t other, ct_group *g, changes *d)
 {
   const int64_t step = 4 * (1 + ct_quads_of(own) + ct_quads_of(other));
-  const ct_quad *head = (const ct_quad *)s->G;
   const int32_t *mine = row[0]->own, *theirs = row[0]->other;
   double *G = &s->G[g->first];
   int32_t rows = 0, *place = &s->entry_place[g->place];
-  quad_bits differ = {0};
   do {
-    fill_row(own, other, row[rows], G);
-    for (int i = 0; i < PARTS && i < 3; i++) differ |= ((const ct_quad *)G)[i] != head[i];
+    fill_next(s, own, other, row[rows], G, d);
     G += step, rows++;
   } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
            row[rows]->own_count == own && row[rows]->other_count == other);
-  d->normal |= (LANE(differ, 0) | LANE(differ, 1) | LANE(differ, 2)) != 0;
   if (d->begin || g->nodes != mine || g->others != theirs || g->own != own || g->other != other ||
       g->rows != rows) {
     d->nodes = 1;
@@ -98,24 +104,43 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
 }
 
 /* Whether all rows of all pieces have the normal of the first row, which is then stored. */
-static int have_one_normal(ct_solver *s, int differ)
+static int have_one_normal(ct_solver *s, const quad_bits *differ)
 {
-  double most[7] = {differ, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  const int some = (LANE(*differ, 0) | LANE(*differ, 1) | LANE(*differ, 2)) != 0;
+  double most[7] = {some, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (int c = 0; s->group_count > 0 && c < 3; c++) most[1 + c] = s->G[c], most[4 + c] = -s->G[c];
   ct_pieces_largest(s->pieces, most, 7);
   memcpy(s->normal, most + 1, sizeof s->normal);
   return most[0] == 0.0 && most[1] == -most[4] && most[2] == -most[5] && most[3] == -most[6];
 }
 
+/* Fill a group of the last step if it is four points of a face that still meet the same other face;
+ * returns whether it is. */
+CT_INLINE int fill_again(const ct_solver *s, ct_constraint *const *row, const ct_group *g,
+                         changes *d)
+{
+  if (!g->face || g->other != 4) return 0;
+  for (int32_t r = 0; r < 4; r++)
+    if (row[r]->other != g->others) return 0;
+  for (int32_t r = 0; r < 4; r++) fill_next(s, 4, 4, row[r], &s->G[g->first + 12 * r], d);
+  return 1;
+}
+
 /* Fill the groups of a set's rows from row `r` on, and so many that no group is cut; `to` is the
- * next group, which has its places already. Returns the row behind them. */
-CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group **to, changes *d)
+ * next group, which has its places already, and `known` whether the rows are those of the last
+ * step. Returns the row behind them. */
+CT_INLINE int64_t fill_rows(const ct_solver *s, int known, int32_t set, int64_t r, ct_group **to,
+                            changes *d)
 {
   const int32_t *number = &s->place[s->first_node[set]];
   const int64_t end = s->first[set + 1], some = end - r < ROWS ? end : r + ROWS;
   ct_group *g = *to;
   const ct_group *last = &s->groups[s->group_count];
   for (ct_constraint *const *row = &s->rows[r]; r < some; row += g[-1].rows, r += g[-1].rows) {
+    if (known && !d->nodes && fill_again(s, row, g, d)) { // all groups so far are those of then
+      g++;
+      continue;
+    }
     d->begin |= g >= last; // the last step had no such group, and places may have been overwritten
     const int32_t own = row[0]->own_count, other = row[0]->other_count;
     // The four points of a face are a group although a station follows them on its nodes.
@@ -225,7 +250,7 @@ void ct_matrix_fill(ct_solver *s)
   g->first = g->place = s->laws.count = 0;
   for (int32_t k = 0; k < of.set_count; k++)
     for (int64_t r = of.first[k], end; r < of.first[k + 1]; r = end) {
-      end = fill_rows(&of, k, r, &g, &d);
+      end = fill_rows(&of, known, k, r, &g, &d);
       ct_law_rows_read(&s->laws, of.rows, r, end, known);
     }
   d.nodes |= s->group_count != g - s->groups;
@@ -233,7 +258,7 @@ void ct_matrix_fill(ct_solver *s)
   if (d.nodes) count_rows(s);
   s->weight = largest_weight(s);
   s->kept = s->bodies == NULL && !s->foreign;
-  s->along = have_one_normal(s, d.normal);
+  s->along = have_one_normal(s, &d.normal);
 }
 
 void ct_matrix_add(ct_solver *s, const ct_group *of, int64_t row)
@@ -312,12 +337,11 @@ void ct_matrix_project(const ct_solver *s)
   }
 }
 
-/* Sums of forces at the nodes of this piece's active rows, or at all. Returns 0 if they are not
- * finite. */
-static int add_forces(ct_solver *s, ct_add *add, const double *force, int all)
+/* Sums of forces at the nodes of this piece's active rows, or at all; the largest is `top`. Returns
+ * 0 if they are not finite. */
+static int add_forces(ct_solver *s, ct_add *add, const double *force, double top, int all)
 {
   ct_grid grid;
-  double top = ct_largest(force, s->count);
   ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
@@ -353,14 +377,14 @@ void ct_matrix_follow(const ct_solver *s, double share, double *total)
 
 int ct_matrix_push(ct_solver *s, const double *force)
 {
-  if (!add_forces(s, ct_add_full, force, 0)) return 0;
+  if (!add_forces(s, ct_add_full, force, ct_largest(force, s->count), 0)) return 0;
   ct_matrix_move(s, s->active_node_count, s->active_nodes, s->sums, s->moved);
   return 1;
 }
 
 int ct_matrix_push_all(ct_solver *s, const double *force)
 {
-  if (!add_forces(s, ct_add_full, force, 1)) return 0;
+  if (!add_forces(s, ct_add_full, force, ct_largest(force, s->count), 1)) return 0;
   ct_matrix_move(s, s->node_count, s->all_nodes, s->sums, s->moved);
   return 1;
 }
@@ -416,7 +440,7 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
     double *A = &s->mobility[s->active_nodes[k]];
     A[3] = ct_larger(ct_larger(A[0], A[1]), A[2]);
   }
-  if (!add_forces(s, ct_add_sizes, ones, 0)) return 0;
+  if (!add_forces(s, ct_add_sizes, ones, 1.0, 0)) return 0;
   if (s->bodies != NULL)
     ct_bodies_push_sizes(s->bodies, s->active_node_count, s->active_nodes, s->sums);
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
@@ -463,7 +487,7 @@ void ct_matrix_motion(const ct_solver *s, int64_t count, double *x, double *out)
 static int slide(ct_solver *s, const double *force)
 {
   const int32_t count = s->active_node_count, *place = s->active_nodes;
-  if (!add_forces(s, ct_add_along, force, 0)) return 0;
+  if (!add_forces(s, ct_add_along, force, ct_largest(force, s->count), 0)) return 0;
   if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, s->normal, s->sums);
   move_along(count, place, s->mobility, s->sums, s->moved);
   if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, s->normal, s->moved);
