@@ -50,14 +50,17 @@ static void load_point(const double *memory, int32_t face_count, ct_point *point
   point->row.impact = record.impact;
 }
 
-/* Restore the points of a side from their records, whose partners are `face_count` faces; return
- * the place behind the records. */
-static const double *load_points(ct_side *side, int32_t face_count, const double *memory)
+/* Restore the points of a side from their records, whose partners are `face_count` faces, of
+ * another side unless that is null; return the place behind the records. */
+static const double *load_points(ct_side *side, const ct_side *other, int32_t face_count,
+                                 const double *memory)
 {
   side->shifted = 1;
   for (ct_span run = {0}; ct_side_next(side, &run);)
-    for (int64_t i = run.first; i < run.end; i++)
+    for (int64_t i = run.first; i < run.end; i++) {
       load_point(&memory[CT_RECORD * i], face_count, &side->points[i]);
+      if (other != NULL && side->points[i].other >= 0) ct_side_meet(other, &side->points[i]);
+    }
   return memory + CT_RECORD * side->fixed->point_count;
 }
 
@@ -73,7 +76,8 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
 {
   contact->record = load_whole(contact->fixed, memory);
   for (int s = 0; s < contact->gaps.fixed->sides; s++)
-    memory = load_points(&contact->gaps.side[s], partner_count(contact, s), memory);
+    memory = load_points(&contact->gaps.side[s], ct_contact_other(contact, s),
+                         partner_count(contact, s), memory);
   contact->gaps.begun = 1;
   memory += WHOLE;
   for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++) {
@@ -109,7 +113,7 @@ static ct_largest_row store_points(int64_t count, const ct_point *restrict point
                                    ct_point_record *restrict record, ct_largest_row largest)
 {
   double top = largest.force, least = -largest.debt;
-  for (int64_t i = 0; i < count; i++, point++, record++) {
+  for (const ct_point *end = point + count; point < end; point++, record++) {
     record->other = (double)point->other + 1.0;
     record->status = (double)(int)point->status;
     record->xi[0] = point->xi[0];

@@ -42,13 +42,6 @@ typedef struct along {
   double came, coming;
 } along;
 
-/* The nodes of the face that a point meets. */
-CT_INLINE void row_over(const int32_t *faces, int32_t per, ct_point *p)
-{
-  p->row.other_count = per;
-  p->row.other = &faces[(int64_t)p->other * per];
-}
-
 /* Complete the row of a point at an obstacle that a body carries: the force acts against the body
  * on its own line. */
 static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_point *p)
@@ -75,18 +68,14 @@ CT_INLINE void shift_row(const ct_contact *contact, along m, int rigid, ct_point
   p->row.came = contact->part * (-p->closed - m.came), p->row.moved = -p->closing - m.coming;
 }
 
-/* List the rows of the points of a side over another one, or at an obstacle. Inlined for each. */
-CT_INLINE int64_t list_side(ct_contact *contact, const ct_side *side, const ct_side *other,
-                            double dt, ct_constraint **rows)
+/* List the rows of the points of a side; `alike`: their gaps change alike besides the motion of
+ * nodes. Inlined for both. */
+CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *side, const along *m,
+                              double dt, ct_constraint **rows)
 {
-  const int32_t *faces = other == NULL ? NULL : ct_side_row_nodes(other->fixed, 0);
-  const int32_t per = other == NULL ? 0 : other->search->per;
-  const double *axis = contact->axis, reach = contact->reach;
-  const int carried = contact->fixed->carrier != NULL, rigid = other == NULL && !carried,
-            alike = !side->shifted && (!rigid || axis != NULL); // no start gaps
-  const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
-                   rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
-  const double came = -contact->part * m.came, moved = -m.coming;
+  const double reach = contact->reach, came = -contact->part * m->came, moved = -m->coming;
+  const int rigid = ct_contact_is_rigid(contact->fixed) && contact->fixed->carrier == NULL,
+            folds = !ct_contact_is_rigid(contact->fixed) && contact->gaps.fixed->sides == 1;
   ct_constraint **to = rows;
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
@@ -95,13 +84,11 @@ CT_INLINE int64_t list_side(ct_contact *contact, const ct_side *side, const ct_s
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
         // On its own surface a point is without a partner only for a while, at a sharp fold.
-        if (other != side) contact->left = fmax(contact->left, left_of(p));
+        if (!folds) contact->left = fmax(contact->left, left_of(p));
         continue;
       }
       if (alike) p->row.came = came, p->row.moved = moved;
-      else shift_row(contact, m, rigid, p);
-      if (other != NULL) row_over(faces, per, p);
-      else if (carried) row_on_carrier(contact, side, p);
+      else shift_row(contact, *m, rigid, p);
       *to++ = &p->row;
     }
   return to - rows;
@@ -109,12 +96,21 @@ CT_INLINE int64_t list_side(ct_contact *contact, const ct_side *side, const ct_s
 
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows)
 {
+  const double *axis = contact->axis;
+  const int carried = contact->fixed->carrier != NULL,
+            rigid = ct_contact_is_rigid(contact->fixed) && !carried;
+  const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
+                   rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
   int64_t count = 0;
   contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
-    const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
-    if (other != NULL) count += list_side(contact, side, other, dt, &rows[count]);
-    else count += list_side(contact, side, NULL, dt, &rows[count]);
+    const ct_side *side = &contact->gaps.side[s];
+    ct_constraint **own = &rows[count];
+    if (!side->shifted && (!rigid || axis != NULL)) // no start gaps
+      count += list_points(1, contact, side, &m, dt, own);
+    else count += list_points(0, contact, side, &m, dt, own);
+    // A point begins with its row.
+    for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, (ct_point *)*own);
   }
   return count;
 }

@@ -312,6 +312,7 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
     return;
   }
   memcpy(point->xi, xi, sizeof point->xi);
+  ct_side_meet(p->other, point);
   ct_side_direct(p->side, point);
 }
 

@@ -126,6 +126,13 @@ void ct_side_fixed_clear(ct_side_fixed *fixed);
 /* Nodes of a face in the numbering of rows. */
 const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face);
 
+/* Let the row of a point have the nodes of the face of another side that it meets. */
+static inline void ct_side_meet(const ct_side *other, ct_point *point)
+{
+  point->row.other_count = other->search->per;
+  point->row.other = ct_side_row_nodes(other->fixed, point->other);
+}
+
 /* Create a side at the reference shape, whose points are zeros. Clear it also if this fails. */
 ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed);
 
