@@ -5,6 +5,7 @@
 #include "../base/lanes.h"
 #include "../base/list.h"
 #include "../base/memory.h"
+#include "../base/stream.h"
 #include "../base/vector.h"
 #include "obstacle.h"
 
@@ -89,16 +90,17 @@ static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
   const ct_search *search = contact->gaps.side[0].search;
   const double *coming = contact->coming;
   const int carried = contact->fixed->carrier != NULL;
-  double top = 0.0;
-  for (int32_t i = 0; i < search->node_count; i++) {
+  double top =
+      carried ? 0.0 : ct_farthest(search->node_count, now->velocity, NULL, (double[3]){0.0});
+  for (int32_t i = 0; carried && i < search->node_count; i++) {
     const double *v = &now->velocity[3 * (int64_t)ct_gaps_node(contact->gaps.fixed, 0, i)];
-    double u[3] = {0.0};
-    if (carried) velocity_near(contact, &search->x[3 * (int64_t)i], u);
+    double u[3];
+    velocity_near(contact, &search->x[3 * (int64_t)i], u);
     for (int c = 0; c < 3; c++) u[c] = v[c] - u[c];
-    top = ct_larger(ct_vector_dot(u, u), top);
+    top = ct_larger(sqrt(ct_vector_dot(u, u)), top);
   }
   return search->size +
-         2.0 * (now->dt * sqrt(top) + (carried ? 0.0 : sqrt(ct_vector_dot(coming, coming))));
+         2.0 * (now->dt * top + (carried ? 0.0 : sqrt(ct_vector_dot(coming, coming))));
 }
 
 /* The same of an obstacle that a body carries; all of its motion is that of nodes. */
