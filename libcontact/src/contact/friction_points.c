@@ -159,8 +159,7 @@ enum {
   PLACE = offsetof(ct_slip_record, place) / sizeof(double),
   E = offsetof(ct_slip_record, e) / sizeof(double),
   BEFORE = offsetof(ct_slip_record, before) / sizeof(double),
-  RESERVE = offsetof(ct_slip_record, reserve) / sizeof(double),
-  STUCK = offsetof(ct_slip_record, stuck) / sizeof(double), // and the next four, as of a slip
+  RESERVE = offsetof(ct_slip_record, reserve) / sizeof(double), // and the next five, as of a slip
   FORCE = offsetof(ct_slip_record, force) / sizeof(double),
   QUADS = CT_FRICTION_RECORD / 4,
   NORMAL = offsetof(ct_point, row.normal), /* of a point, in bytes, as the next one */
@@ -336,6 +335,15 @@ CT_INLINE void find_slips(double (*const t)[3][CT_BATCH], const ct_friction_memo
   recall(t, b->n, &b->last[BEFORE], stride, ct_friction_numbers(s, CT_SLIP_BEFORE, first));
 }
 
+/* Copy numbers of eight points, of which those of `from` and `to` are so many places apart. */
+CT_INLINE void copy_numbers(int count, const double *from, int64_t apart, double *to,
+                            int64_t stride)
+{
+  for (; count > 0; count--, from += apart, to += stride)
+    for (int i = 0; i < CT_BATCH / 4 * CT_QUAD_PARTS; i++)
+      ((ct_quad *)to)[i] = ((const ct_quad *)from)[i];
+}
+
 /* Give eight listed points what does not hang on their faces. */
 CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, int64_t first,
                            const batch *b)
@@ -343,14 +351,10 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
   const ct_friction *data = now->data;
   double *normal = ct_friction_numbers(s, CT_SLIP_NORMAL, first);
   const int64_t to = s->slips.stride;
-  for (int c = 0; c < 3; c++) memcpy(normal + to * c, b->n[c], sizeof b->n[c]);
-  memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
-  for (int i = 0; i < 5; i++)
-    memcpy(normal + to * (CT_SLIP_STUCK + i), b->last[STUCK + i], sizeof b->last[STUCK + i]);
-  for (int c = 0; c < 3; c++)
-    memcpy(normal + to * (CT_SLIP_FORCE + c), b->last[FORCE + c], sizeof b->last[FORCE + c]);
-  for (int c = 0; c < 3 && !data->rigid; c++)
-    memcpy(normal + to * (CT_SLIP_LEVER + c), b->d[c], sizeof b->d[c]);
+  copy_numbers(3, b->n[0], CT_BATCH, normal, to);
+  copy_numbers(6, b->last[RESERVE], CT_BATCH, normal + to * CT_SLIP_RESERVE, to);
+  copy_numbers(3, b->last[FORCE], CT_BATCH, normal + to * CT_SLIP_FORCE, to);
+  if (!data->rigid) copy_numbers(3, b->d[0], CT_BATCH, normal + to * CT_SLIP_LEVER, to);
   for (int l = 0; l < CT_BATCH; l++)
     normal[to * CT_SLIP_K + l] = data->rho * b->at[l].point->row.stiffness;
   for (int l = 0; l < b->count; l++) {
@@ -412,10 +416,8 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
     keep(1, of + stride * CT_SLIP_E, stride, axes, &record[E]);
     keep(1, of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
   }
-  for (int i = 0; i < 6; i++) // and what follows on it, as in a slip
-    memcpy(record[RESERVE + i], of + stride * (CT_SLIP_RESERVE + i), sizeof record[RESERVE + i]);
-  for (int c = 0; c < 3; c++)
-    memcpy(record[FORCE + c], of + stride * (CT_SLIP_FORCE + c), sizeof record[FORCE + c]);
+  copy_numbers(6, of + stride * CT_SLIP_RESERVE, stride, record[RESERVE], CT_BATCH);
+  copy_numbers(3, of + stride * CT_SLIP_FORCE, stride, record[FORCE], CT_BATCH);
 }
 
 /* The partners of eight points in their records; a record without a partner is 0. */
