@@ -20,6 +20,7 @@ from lab import (
     classify,
     is_told,
     material,
+    own_energy,
     rise,
     scene,
 )
@@ -56,7 +57,8 @@ class Fold:
             self.look(run)
         self.records += 1
         last = run.energy[-1]
-        return {name: float(last[name]) for name in ("total", "contact", "external")}
+        own = {"own": float(own_energy(last))}
+        return own | {name: float(last[name]) for name in ("total", "external")}
 
     def look(self, run: ct.Run) -> None:
         """Count by solid angles, which takes much longer than a step."""
@@ -77,11 +79,11 @@ class Fold:
 
 
 def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
-    """Rise of the energy of the body and its springs above its start, and of the total, which contains
-    what points hold, above its lowest earlier value, over the work put in (over the initial energy if
-    bodies move at the start)."""
-    total, held, work = (np.array(curve[name]) for name in ("total", "contact", "external"))
-    unit, own = max(np.abs(work).max(), abs(total[0]), 1e-300), total - held
+    """Rise of the energy of the body above its start, and of the total, which contains what points hold,
+    above its lowest earlier value, over the work put in (over the initial energy if bodies move at the
+    start)."""
+    total, own, work = (np.array(curve[name]) for name in ("total", "own", "external"))
+    unit = max(np.abs(work).max(), abs(total[0]), 1e-300)
     return float((own - own[0]).max() / unit), rise(total / unit)
 
 

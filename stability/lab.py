@@ -262,7 +262,7 @@ def weigh(row: Row, run: ct.Run, scale: float | None, books: list[tuple[float, f
     total = run.energy["total"]
     unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
     row.energy, row.lost, row.held, row.made = (
-        float((own_energy(run) - total[0]).max() / unit),
+        float((own_energy(run.energy) - total[0]).max() / unit),
         float((total[0] - total[-1]) / unit),
         float(run.energy["reserve"][-1] / unit),
         rise(np.array(books)[:, 0] / unit),
@@ -279,11 +279,12 @@ def caused(row: Row) -> str:
     return row.verdict.replace(grows, LEAPFROG)
 
 
-def own_energy(run: ct.Run) -> np.ndarray:
-    """Energy of the bodies, without the work that was put in and without what contacts store and hold.
-    Where points open, the energy of a contact may be negative: then it corrects that of the bodies
+def own_energy(energy: np.ndarray) -> np.ndarray:
+    """Energy of the bodies, without the work that was put in and without what contacts and obstacles store and
+    hold. Where points open, the energy of a contact may be negative: then it corrects that of the bodies
     (eq:controlled-energy)."""
-    return np.asarray(run.energy["total"] - np.maximum(run.energy["contact"], 0.0))
+    touching = [energy[name] for name in ("contact", "obstacle") if name in energy.dtype.names]
+    return np.asarray(energy["total"] - np.maximum(sum(touching), 0.0))
 
 
 def drift(run: ct.Run, scale: float) -> float:
