@@ -191,12 +191,15 @@ static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, do
 }
 
 /* Growth below the limit of a fault, which is gone at the end, is reported: its size, time and
- * place. `unit` is the unit of energy (eq:energy-growth). */
-static void told(int stores, double unit)
+ * place. `unit` is the unit of energy (eq:energy-growth). An effect that brakes first and pumps
+ * then is told before it has given back what it took (eq:growth-again). */
+static void told(int stores, double unit, int again)
 {
   static const ct_effect_calls calls[2] = {{.force = pump_and_brake},
                                            {.force = pump_and_brake, .energy = pump_energy}};
-  double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.002) / (2.0 * c[0]);
+  double c[2] = {again ? -0.01 : 0.01, unit * SOFT.density / 8.0}, least = again ? exp(-0.2) : 1.0,
+         limit = again ? 0.01 : 0.002, most = again ? exp(0.4) : exp(0.2),
+         when = again ? 10.0 + log(1.0 + limit / least) / 0.06 : log(1.0 + limit) / 0.02;
   ct_material soft = SOFT;
   soft.young *= unit, soft.density *= unit;
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -221,9 +224,10 @@ static void told(int stores, double unit)
   ct_growth found = ct_monitor_growth(monitor);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
-    tap_ok(status == CT_OK && silent && left < 0.9 && found.ratio > 0.002 && found.ratio < 0.01 &&
-               found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 &&
-               found.body == 1 && found.step > 0 && fabs(found.largest - expm1(0.2)) < 0.02,
+    tap_ok(status == CT_OK && silent && (again || left < 0.9) && found.ratio > limit &&
+               found.ratio < limit + 0.008 && found.time > when &&
+               found.time < when + 2.5 * p->dt && found.effect == 1 && found.body == 1 &&
+               found.step > 0 && fabs(found.largest - (most - least)) < 0.02,
            "unit %g: %.4f spurious at t = %.4g, in theory %.4g, by effect %d on body %d; %.4f at "
            "most, "
            "%.2f left at the end",
@@ -401,10 +405,11 @@ int main(void)
   pump(0.1, 1);
   pump(0.5, 1);
   pump(0.1, 0);
-  told(1, 1.0);
-  told(1, 1e-12);
-  told(1, 1e12);
-  told(0, 1.0);
+  told(1, 1.0, 0);
+  told(1, 1e-12, 0);
+  told(1, 1e12, 0);
+  told(1, 1.0, 1);
+  told(0, 1.0, 0);
   least_energy();
   at_rest();
   named(0);

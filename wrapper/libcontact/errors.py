@@ -116,7 +116,8 @@ KINDS = {
     "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "
     "to the bodies",
     "long_run": "a run takes ten million steps or more, or about an hour or more",
-    "energy_growth": "more than 0.2 % of spurious energy was detected; an :class:`EnergyGrowth`",
+    "energy_growth": "more than 0.2 % of spurious energy was detected, or 1 % after a loss; an "
+    ":class:`EnergyGrowth`",
     "penetration": "surfaces overlap by more than half an element: the penalty is too soft for the load",
     "border": "points were found inside the other surface that did not come in through it",
     "step_divided": "the step of a run was divided; a :class:`StepDivided`",
@@ -167,8 +168,8 @@ def gone(name: str) -> str:
 
 
 class EnergyGrowth(SceneWarning):
-    """More than 0.2 % of spurious energy was detected during the run. The run continues, and warns again at its end if
-    that became more than twice as much.
+    """More than 0.2 % of spurious energy was detected during the run, or 1 % after a loss. The run continues, and warns
+    again at its end if that became more than twice as much.
 
     Attributes
     ----------

@@ -171,7 +171,8 @@ typedef struct ct_monitor_options {
   double stable;
   /**
    * Ratio of spurious energy to the energy that the bodies should have, above which
-   * `ct_monitor_growth` reports it [-], :eq:`energy-growth`, >= 0; the run continues.
+   * `ct_monitor_growth` reports it [-], :eq:`energy-growth`, >= 0, or five times as much after a
+   * loss, :eq:`growth-again`; the run continues.
    */
   double growth_limit;
   /** Total energy [energy] from which growth counts, :eq:`energy-growth`, of a run that goes on

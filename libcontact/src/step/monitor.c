@@ -18,6 +18,8 @@
  * directions in it. */
 enum { FIRST_ROUNDS = 12 };
 static const double NOISE = 0.01, SMALL = 1e-6;
+/* The limit of growth after a loss, over that of growth (eq:growth-again). */
+static const double AGAIN = 5.0;
 
 struct ct_monitor {
   ct_pool pool; /* the arrays below */
@@ -28,6 +30,8 @@ struct ct_monitor {
   double start;           /* total of the energy balance at the start */
   double jump;            /* from the total of a run's beginning to it (eq:divided-energy) */
   double *gave;           /* contribution of each effect with stored energy to that total by then */
+  double *low, lowest;    /* the same when those that do not touch gave least, and their sum then */
+  double least;           /* lowest total since the start */
   double floor;           /* energy that round-off can cause (eq:energy-floor) */
   ct_growth growth;
   double largest;  /* largest kinetic, stored or external energy of the good states */
@@ -84,12 +88,23 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
 }
 
 /* Energies of one check: stored by bodies and by explicit penalties, which oscillate with them;
- * spurious energy, without what contacts store; energy that motion and strain should have, and its
- * largest value so far (eq:energy-appears); the largest energy of all, and the limit below which
- * nothing is reported. */
+ * spurious energy, without what contacts store, and that of the bodies alone; energy that motion
+ * and strain should have, and its largest value so far (eq:energy-appears); the largest energy of
+ * all, and the limit below which nothing is reported. */
 typedef struct energies {
-  double elastic, appeared, expected, most_expected, scale, least;
+  double elastic, appeared, alone, expected, most_expected, scale, least;
 } energies;
+
+static int touches(const ct_effect *effect)
+{
+  return effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_TIE ||
+         effect->kind == CT_EFFECT_OBSTACLE;
+}
+
+static int is_alone(const ct_effect *effect)
+{
+  return !touches(effect) && effect->kind != CT_EFFECT_FRICTION;
+}
 
 /* Energy that a contact, a tie or an obstacle stores by rows. Only what the bodies get back of it
  * counts as growth: it depends on the square of a gap, which a stiff penalty multiplies
@@ -98,10 +113,19 @@ typedef struct energies {
 static double lent_to(const ct_monitor *w, int32_t k)
 {
   const ct_effect *effect = w->problem->effects[k];
-  int touches = effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_TIE ||
-                effect->kind == CT_EFFECT_OBSTACLE;
-  return touches && effect->phase == CT_PHASE_CONSTRAINT ? fmax(w->next.effects[k].stored, 0.0)
-                                                         : 0.0;
+  return touches(effect) && effect->phase == CT_PHASE_CONSTRAINT
+             ? fmax(w->next.effects[k].stored, 0.0)
+             : 0.0;
+}
+
+/* Contribution of an effect to the energy of the bodies since t = 0: its work and stored energy,
+ * minus energy from outside (eq:energy-growth). */
+static double given_by(const ct_monitor *w, int32_t k)
+{
+  const ct_effect_energy *own = &w->next.effects[k];
+  return w->problem->effects[k]->calls->energy == NULL
+             ? 0.0
+             : (own->work + (own->stored - lent_to(w, k))) - own->external;
 }
 
 static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *error)
@@ -113,9 +137,11 @@ static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *
          elastic = ledger.strain + ledger.contact;
   *e = (energies){.elastic = elastic, .appeared = ledger.total - w->start};
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
+    const ct_effect *effect = w->problem->effects[k];
     double lent = lent_to(w, k);
     e->appeared -= lent;
-    if (w->problem->effects[k]->kind == CT_EFFECT_CONTACT) e->elastic -= lent;
+    if (effect->kind == CT_EFFECT_CONTACT) e->elastic -= lent;
+    if (is_alone(effect)) e->alone += given_by(w, k);
   }
   // Initial energy and external work, minus the energy stored by other effects.
   e->expected = w->start + ledger.external - (stored - elastic);
@@ -139,31 +165,38 @@ static double floor_of(const ct_problem *problem)
   return DBL_EPSILON * sum;
 }
 
-/* Contribution of an effect to the energy of the bodies since t = 0: its work and stored energy,
- * minus energy from outside (eq:energy-growth). */
-static double given_by(const ct_monitor *w, int32_t k)
+/* What the effects have given, when the bodies alone have been given least (eq:growth-again). */
+static void keep_lowest(ct_monitor *w, const energies *e)
 {
-  const ct_effect_energy *own = &w->next.effects[k];
-  return w->problem->effects[k]->calls->energy == NULL
-             ? 0.0
-             : (own->work + (own->stored - lent_to(w, k))) - own->external;
+  w->lowest = e->alone;
+  for (int32_t k = 0; k < w->problem->effect_count; k++) w->low[k] = given_by(w, k);
 }
 
-/* Store the first growth above the reporting limit, and the largest so far (eq:energy-growth). */
+/* Store the first growth above the reporting limits, and the largest so far (eq:energy-growth,
+ * eq:growth-again). */
 static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 {
   const double appeared = e->appeared + w->jump, expected = e->most_expected - w->jump,
-               ratio = expected > 0.0 ? appeared / expected : INFINITY;
-  double most = w->jump > 0.0 ? w->jump : -INFINITY; // that of a divided step was in the solid
-  if (!(appeared > fmax(w->options.growth_limit * expected, e->least))) return;
+               total = w->next.energy.total, limit = w->options.growth_limit * expected,
+               again = fmin(e->alone - w->lowest, total - w->least); // (eq:growth-again)
+  const int above = appeared > fmax(limit, e->least),
+            regained = again > fmax(AGAIN * limit, e->least);
+  // That of a divided step was in the solid.
+  double most = above && w->jump > 0.0 ? w->jump : -INFINITY;
+  if (e->alone < w->lowest) keep_lowest(w, e);
+  w->least = fmin(w->least, total);
+  if (!above && !regained) return;
+  const double grown = regained ? fmax(appeared, again) : appeared,
+               ratio = expected > 0.0 ? grown / expected : INFINITY;
   w->growth.largest = fmax(w->growth.largest, ratio);
   if (w->growth.ratio > 0.0) return;
   w->growth.ratio = ratio;
   w->growth.time = state->time;
   w->growth.step = state->step;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
-    double gave = given_by(w, k) - w->gave[k];
-    if (gave > most) most = gave, w->growth.effect = k;
+    double gave = given_by(w, k) - (above ? w->gave : w->low)[k];
+    if (gave > most && (above || is_alone(w->problem->effects[k])))
+      most = gave, w->growth.effect = k;
   }
   w->growth.body = ct_effect_body_of(w->problem, largest_node(w->problem, state, NULL));
 }
@@ -348,6 +381,7 @@ static ct_status allocate(ct_monitor *w, ct_error *error)
   size_t bodies = (size_t)w->problem->body_count, effects = (size_t)w->problem->effect_count;
   ct_ledger *row[] = {&w->ledger, &w->next};
   w->gave = ct_pool_take(&w->pool, effects, sizeof *w->gave);
+  w->low = ct_pool_take(&w->pool, effects, sizeof *w->low);
   for (int i = 0; i < 2; i++) {
     row[i]->momentum = ct_pool_take(&w->pool, bodies, sizeof *row[i]->momentum);
     row[i]->effects = ct_pool_take(&w->pool, effects, sizeof *row[i]->effects);
@@ -367,13 +401,14 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
   // Before the start no energy was known: all of it counts as new, also what contacts store.
-  w->start = w->next.energy.total;
+  w->start = w->least = w->next.energy.total;
   if (isfinite(w->options.first_total)) w->jump = w->start - w->options.first_total;
   w->floor = floor_of(problem);
   w->largest = e.scale;
   w->expected = w->start + e.expected;
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
   for (int32_t k = 0; k < problem->effect_count; k++) w->gave[k] = given_by(w, k) + lent_to(w, k);
+  keep_lowest(w, &e);
   keep_ledger(w);
   status = prepare_iteration(w, state, error);
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
