@@ -634,6 +634,37 @@ static void asked_twice(void)
          "a repeated query gives the same energy (%d times, off by %.2g at most)", touched, off);
 }
 
+/* A box slides on a slope whose points its side reaches first: the slope begins at the height of
+ * its bottom, so a point belongs to the bottom as soon as it is inside, and its force is normal to
+ * that (eq:beside-edge). A step of the same height has no such slope: there the side takes the
+ * point. */
+static void beside_an_edge(int slope)
+{
+  const double low[3] = {0, 0, 0}, size[3] = {1.2, 1, 1};
+  const int cells[3] = {1, 1, 1};
+  patch a = new_patch(CT_Q4, 2, 1, 0, 0, 2, 1, 1), b = new_box(low, size, cells);
+  ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
+  ct_contact_point point[64];
+  double sideways = 0.0, upwards = 0.0;
+  lift(&a, 0.01);
+  for (int n = 0; n < 6; n++)
+    if (slope) a.x[3 * n + 2] = a.x[3 * n] > 1.5 ? 0.05 : 0.0;
+  for (int i = 0; i < 20; i++) {
+    update(contact, &a, &b);
+    shift(&b, 0.001, 0, 0);
+    // Points 0 and 2 of the second face at x = 1.211
+    ct_contact_points(contact, point, NULL);
+    for (int k = 4; k < 8; k++) {
+      if (!(point[k].gap < 0.0)) continue;
+      sideways = worst(sideways, point[k].closest[0] - point[k].position[0]);
+      upwards = worst(upwards, point[k].closest[2] - point[k].position[2]);
+    }
+  }
+  tap_ok(slope ? upwards > 0.01 && sideways < 1e-12 : upwards < 1e-12 && sideways > 0.005,
+         "a point beside the edge of a box, on a %s: pushed down %.2g, sideways %.2g",
+         slope ? "slope" : "step", upwards, sideways);
+}
+
 int main(void)
 {
   free_at_end();
@@ -656,5 +687,7 @@ int main(void)
   safe_approach();
   stretches();
   asked_twice();
+  beside_an_edge(1);
+  beside_an_edge(0);
   return tap_done();
 }

@@ -7,6 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Which faces a search tries: all, those on no far side, or those that face the point. */
+typedef enum search_over { ALL_FACES, SAME_SIDE, FACING } search_over;
+
 /* The nearest face of the other side found so far for a point. */
 typedef struct nearest {
   int32_t face;
@@ -15,9 +18,9 @@ typedef struct nearest {
   double most;            /* search distance */
   double clear;           /* if no face is found: a lower bound of the distance of all candidates */
   double origin[3], y[3]; /* middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, for a surface in contact with itself and if
-                             `same_side` is set */
-  int same_side;          /* whether far sides are skipped: faces that point away from `last` */
+  double own[3];          /* unit normal at the point, for a surface in contact with itself and
+                             unless all faces are tried */
+  search_over over;       /* far sides are faces that point away from `last` */
   double last[3];         /* unit normal of the other side at the point's place in the last step */
 } nearest;
 
@@ -106,11 +109,11 @@ static int last_normal(const ct_pass *p, const ct_point *point, double normal[3]
 static int faces_point(const ct_pass *p, const ct_point *point, const double own[3],
                        const double normal[3])
 {
-  double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
+  double last[3];
   // -- It faces the point, or its normal is within 60° of the last one
-  if (along < -0.25 * length) return 1;
-  return along < 0.5 * length && last_normal(p, point, last) &&
-         ct_vector_dot(last, normal) > 0.5 * length;
+  if (ct_pass_opposes(own, normal)) return 1;
+  return ct_pass_faces_across(own, normal) && last_normal(p, point, last) &&
+         ct_vector_dot(last, normal) > 0.5 * sqrt(ct_vector_dot(normal, normal));
 }
 
 /* For a surface in contact with itself: whether a closest point is admissible. The faces must face
@@ -177,9 +180,10 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
             beyond = found && closest.distance > best->most;
   best->clear = fmin(best->clear, beyond ? closest.distance : 0.0);
   if (!found || beyond || (p->self && !is_admissible(p, i, best->own, y, target, &closest))) return;
-  if (best->same_side) (void)outward_at(p, target, &closest, normal);
+  if (best->over != ALL_FACES) (void)outward_at(p, target, &closest, normal);
   // -- The search on one side skips far sides (eq:held)
-  if (best->same_side && is_far(best->own, best->last, normal)) return;
+  if (best->over == SAME_SIDE && is_far(best->own, best->last, normal)) return;
+  if (best->over == FACING && !ct_pass_opposes(best->own, normal)) return;
   // -- The nearest face; of two as near, the one with the lower number (eq:closest-face)
   if (closest.distance < best->distance ||
       (closest.distance == best->distance && target < best->face)) {
@@ -316,17 +320,15 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
   ct_side_direct(p->side, point);
 }
 
-/* Begin with nothing found. A surface in contact with itself needs the point's own normal, and a
- * search on one side also that of the last step. Returns 0 if there is none. */
-static int begin(const ct_pass *p, int64_t i, int same_side, double most, nearest *best)
+/* Begin with nothing found. A surface in contact with itself and a search over some faces need the
+ * point's own normal, and a search on one side also that of the last step. Returns 0 if there is
+ * none. */
+static int begin(const ct_pass *p, int64_t i, search_over over, double most, nearest *best)
 {
-  *best = (nearest){.face = INT32_MAX,
-                    .distance = INFINITY,
-                    .most = most,
-                    .clear = INFINITY,
-                    .same_side = same_side};
-  if (!p->self && !same_side) return 1;
-  if (same_side && !last_normal(p, &p->side->points[i], best->last)) return 0;
+  *best = (nearest){
+      .face = INT32_MAX, .distance = INFINITY, .most = most, .clear = INFINITY, .over = over};
+  if (!p->self && over == ALL_FACES) return 1;
+  if (over == SAME_SIDE && !last_normal(p, &p->side->points[i], best->last)) return 0;
   return ct_pass_own_normal(p, i, best->own);
 }
 
@@ -340,19 +342,21 @@ CT_INLINE void try_box(const ct_pass *p, int64_t i, int32_t target, const double
   else if (distance < best->clear) best->clear = distance;
 }
 
-/* The nearest face of a point, or the nearest one that is not on a far side. A point in contact
- * searches to any depth, except on its own surface (eq:held). */
-static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int same_side,
+/* The nearest face of a point, the nearest one that is not on a far side, or the nearest one that
+ * faces it, close by (eq:beside-edge). A point in contact searches to any depth for the others,
+ * except on its own surface (eq:held). */
+static void find_nearest(const ct_pass *p, int64_t i, const double y[3], search_over over,
                          nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
   const ct_point *point = &side->points[i];
   const int32_t face = face_of(p, i);
-  int held = point->status == CT_POINT_INSIDE && !p->self;
+  int held = point->status == CT_POINT_INSIDE && !p->self && over != FACING;
   double most = p->depth;
   if (point->status == CT_POINT_INSIDE) most -= point->known;
   if (held) most = HUGE_VAL;
-  if (!begin(p, i, same_side, most, best)) return;
+  if (over == FACING) most = p->beside;
+  if (!begin(p, i, over, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
@@ -381,11 +385,44 @@ static point_class classify_far(const ct_pass *p, int64_t i, const double y[3], 
 {
   int has_left = point->row.gap >= 0.0;
   if (p->self || !came_in(p, i, point)) return FAR;
-  find_nearest(p, i, y, 1, best);
+  find_nearest(p, i, y, SAME_SIDE, best);
   if (best->face == INT32_MAX || measure(p, i, best, point) != INSIDE)
     return has_left ? NOWHERE : FAR;
   double along = ct_vector_dot(point->d, best->closest.normal);
   return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
+}
+
+/* Whether a corner of the point's own face is less than half as deep under the plane of the point's
+ * place as the point itself, so that the face comes out there (eq:beside-edge). */
+static int comes_out(const ct_pass *p, int64_t i, const double y[3], const ct_point *point)
+{
+  const ct_search *search = p->side->search;
+  const int32_t *node = &search->faces[(int64_t)face_of(p, i) * search->per];
+  const double *d = point->d, *n = point->outward, depth = ct_vector_dot(d, n);
+  double least = depth;
+  for (int a = 0; a < search->edges; a++) {
+    const double *x = &search->x[3 * (int64_t)node[a]];
+    const double to[3] = {d[0] - (x[0] - y[0]), d[1] - (x[1] - y[1]), d[2] - (x[2] - y[2])};
+    least = fmin(least, ct_vector_dot(to, n));
+  }
+  return least < 0.5 * depth;
+}
+
+/* A point inside, beside the edge of a face that faces it, belongs to that face, and not to the
+ * nearest one, which does not face it (eq:beside-edge). */
+static void prefer_facing(const ct_pass *p, int64_t i, const double y[3], nearest *best,
+                          ct_point *point)
+{
+  const int held = point->status == CT_POINT_INSIDE;
+  double own[3], last[3];
+  if (!ct_pass_own_normal(p, i, own) || ct_pass_opposes(own, point->outward)) return;
+  if (held && !(last_normal(p, point, last) && ct_pass_opposes(own, last))) return;
+  nearest facing;
+  ct_point there = *point;
+  find_nearest(p, i, y, FACING, &facing);
+  if (facing.face == INT32_MAX || measure(p, i, &facing, &there) != INSIDE) return;
+  // -- It was there, or its own face comes out through that one (eq:beside-edge)
+  if (held || comes_out(p, i, y, &there)) *best = facing, *point = there;
 }
 
 /* Whether a point with nothing near is deep inside the other body in the first call
@@ -408,6 +445,7 @@ static point_class classify(const ct_pass *p, int64_t i, const double y[3], near
   int buried = point->status == CT_POINT_BURIED;
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
   point_class found = measure(p, i, best, point);
+  if (found == INSIDE && !p->self) prefer_facing(p, i, y, best, point);
   if (found == FAR) found = classify_far(p, i, y, best, point);
   if (found == INSIDE && (p->self || point->status != CT_POINT_INSIDE) &&
       (buried || point->row.gap < -(p->self ? p->deep : p->depth)))
@@ -449,7 +487,7 @@ static void search_point(const ct_pass *p, int64_t i)
     return;
   }
   ct_side_position(p->side, i, NULL, y);
-  find_nearest(p, i, y, 0, &best);
+  find_nearest(p, i, y, ALL_FACES, &best);
   if (best.face == INT32_MAX) keep_clear(p, i, best.clear);
   point_class found = classify(p, i, y, &best, point);
   point->jumped = has_jumped(p, i, found, best.face);
@@ -488,6 +526,7 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
                .depth = ct_gaps_reach(gaps),
                .skin = gaps->fixed->skin,
                .deep = gaps->fixed->depth,
+               .beside = gaps->fixed->near / 32.0, // (eq:beside-edge)
                .self = gaps->fixed->sides == 1,
                .first = !gaps->begun};
   p.since = fmax(ct_side_stretch(p.side), ct_side_stretch(p.other)) * gaps->since;

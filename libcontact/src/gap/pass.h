@@ -16,6 +16,7 @@ typedef struct ct_pass {
   double skin;          /* additional distance to which candidates are listed */
   double since;         /* bound of the motion of points relative to places on faces since then */
   double deep;          /* largest depth of a point in contact on a surface with itself */
+  double beside;        /* largest depth of a point beside an edge (eq:beside-edge) */
   int self;             /* whether the other side is the same surface */
   int first;            /* whether no point has a status yet */
 } ct_pass;
@@ -49,6 +50,13 @@ static inline int ct_pass_faces_across(const double own[3], const double normal[
 {
   // (eq:self-adjacent)
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
+}
+
+/* Whether a surface with the normal `normal` (of any length) faces one with the unit normal `own`,
+ * and is not about perpendicular to it. */
+static inline int ct_pass_opposes(const double own[3], const double normal[3])
+{
+  return ct_vector_dot(own, normal) < -0.25 * sqrt(ct_vector_dot(normal, normal));
 }
 
 #endif

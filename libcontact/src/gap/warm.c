@@ -451,13 +451,13 @@ static void measure_block(const ct_pass *p, block *b)
 }
 
 /* Whether the point of a lane comes in from a side that does not face its face: then the search
- * must classify it. */
+ * must classify it, and may prefer another one (eq:beside-edge). */
 static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
 {
   const double normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
   double own[3];
   return b->gap[l] < 0.0 && p->side->points[number].status != CT_POINT_INSIDE &&
-         !(ct_pass_own_normal(p, number, own) && ct_pass_faces_across(own, normal));
+         !(ct_pass_own_normal(p, number, own) && ct_pass_opposes(own, normal));
 }
 
 /* A member between these does not compile. */
