@@ -331,8 +331,8 @@ def test_several_twins_give_a_range():
 
 
 def test_momentum_over_a_border_is_no_difference_of_skins():
-    """Points of the open faces that meet the sides of the other body, which only its skin has: here they exchange an
-    eighth of the momentum, and with hex8 nothing. Where nothing is exchanged, nothing comes on top."""
+    """Points of the open faces that meet the sides of the other body, which only its skin has: here they exchange a
+    tenth of the momentum, and with hex8 nothing. Where nothing is exchanged, nothing comes on top."""
     answers = []
     for element in ("hex8", "hex20"):
         animal = animals.open_faces(animals.Options(element=element))
@@ -340,7 +340,7 @@ def test_momentum_over_a_border_is_no_difference_of_skins():
         answers.append(zoo.play(stages.outer(animal.stage), element, named))
     assert answers[0].aside == 0.0 and not answers[1].beside
     share = 0.5 * answers[1].aside * animal.speed / animal.scale
-    assert share == pytest.approx(0.13, rel=0.1)
+    assert share == pytest.approx(0.1, rel=0.1)
     names = list(animal.stage.parts)
     change = answers[1].run.body_momentum("top")["p"]
     assert answers[1].aside < np.linalg.norm(change[-1] - change[0]) and names == ["low", "top"]
