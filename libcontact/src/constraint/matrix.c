@@ -288,30 +288,27 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
-/* Copy the shared sums with rows of this piece to their places in `joined`, or back. Inlined with a
- * known number of components. */
-CT_INLINE void pass_shared(const ct_solver *s, int some, int back, double *restrict sums,
-                           double *restrict joined)
+/* Add the sums of all pieces at shared nodes. Inlined with a known number of components. */
+CT_INLINE void join(const ct_solver *s, int some, double *restrict sums, double *restrict joined)
 {
+  const int64_t count = some * (int64_t)s->shared_count;
+  // Where this piece has rows at all of them none is left out.
+  if (s->own_shared_count < s->shared_count) ct_clear(joined, (size_t)count);
   for (int32_t k = 0; k < s->own_shared_count; k++) {
     const int32_t at = s->own_shared[k];
-    double *sum = &sums[s->shared_nodes[at]], *to = &joined[some * (int64_t)at];
-    for (int c = 0; c < some; c++)
-      if (back) sum[c] = to[c];
-      else to[c] = sum[c];
+    for (int c = 0; c < some; c++) joined[some * (int64_t)at + c] = sums[s->shared_nodes[at] + c];
+  }
+  ct_pieces_sum(s->pieces, joined, count);
+  for (int32_t k = 0; k < s->own_shared_count; k++) {
+    const int32_t at = s->own_shared[k];
+    for (int c = 0; c < some; c++) sums[s->shared_nodes[at] + c] = joined[some * (int64_t)at + c];
   }
 }
 
 void ct_matrix_join(const ct_solver *s, int first, int some, double *sums, double *joined)
 {
-  const int64_t count = some * (int64_t)s->shared_count;
-  // Where this piece has rows at all of them none is left out.
-  if (s->own_shared_count < s->shared_count) ct_clear(joined, (size_t)count);
-  if (some == 3) pass_shared(s, 3, 0, sums + first, joined);
-  else pass_shared(s, some, 0, sums + first, joined);
-  ct_pieces_sum(s->pieces, joined, count);
-  if (some == 3) pass_shared(s, 3, 1, sums + first, joined);
-  else pass_shared(s, some, 1, sums + first, joined);
+  if (some == 3) join(s, 3, sums + first, joined);
+  else join(s, some, sums + first, joined);
 }
 
 /* The same for sums along the one normal n of all rows, which are fourth components; those of

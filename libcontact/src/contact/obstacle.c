@@ -83,24 +83,26 @@ static void find_came(const ct_contact *contact, const double x[3], double came[
   for (int c = 0; c < 3; c++) came[c] *= contact->carried.before;
 }
 
-/* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
- * twice the displacement of the fastest node, if a body carries the obstacle relative to that. */
-static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
+/* Largest speed of a node relative to the body that carries the obstacle. */
+static double fastest_beside(const ct_contact *contact, const double *velocity)
 {
   const ct_search *search = contact->gaps.side[0].search;
-  const double *coming = contact->coming;
-  const int carried = contact->fixed->carrier != NULL;
-  double top =
-      carried ? 0.0 : ct_farthest(search->node_count, now->velocity, NULL, (double[3]){0.0});
-  for (int32_t i = 0; carried && i < search->node_count; i++) {
-    const double *v = &now->velocity[3 * (int64_t)ct_gaps_node(contact->gaps.fixed, 0, i)];
+  double top = 0.0;
+  for (int32_t i = 0; i < search->node_count; i++) {
+    const double *v = &velocity[3 * (int64_t)ct_gaps_node(contact->gaps.fixed, 0, i)];
     double u[3];
     velocity_near(contact, &search->x[3 * (int64_t)i], u);
     for (int c = 0; c < 3; c++) u[c] = v[c] - u[c];
-    top = ct_larger(sqrt(ct_vector_dot(u, u)), top);
+    top = ct_larger(ct_vector_dot(u, u), top);
   }
-  return search->size +
-         2.0 * (now->dt * top + (carried ? 0.0 : sqrt(ct_vector_dot(coming, coming))));
+  return sqrt(top);
+}
+
+/* Largest distance from which a point may reach the obstacle in a step: the size of a face plus
+ * twice the largest motion of a node relative to it. */
+static double reach_of(const ct_contact *contact, double motion)
+{
+  return contact->gaps.side[0].search->size + 2.0 * motion;
 }
 
 /* The same of an obstacle that a body carries; all of its motion is that of nodes. */
@@ -117,7 +119,7 @@ static void move_carried(ct_contact *contact, const ct_surface_motion *now)
   }
   (void)ct_obstacle_axis(turned, contact->direction);
   ct_contact_direct(contact);
-  contact->reach = reach_of(contact, now);
+  contact->reach = reach_of(contact, now->dt * fastest_beside(contact, now->velocity));
 }
 
 /* Position of the obstacle, its motion in the last step and the next one, and its reach. */
@@ -136,7 +138,10 @@ static void move(ct_contact *contact, const ct_surface_motion *now)
     contact->came[c] = contact->place[c] - last[c];
     contact->coming[c] = (o->point[c] + contact->coming[c]) - contact->place[c];
   }
-  contact->reach = reach_of(contact, now);
+  const double fastest = ct_farthest(contact->gaps.side[0].search->node_count, now->velocity, NULL,
+                                     (double[3]){0.0}),
+               moved = sqrt(ct_vector_dot(contact->coming, contact->coming));
+  contact->reach = reach_of(contact, now->dt * fastest + moved);
 }
 
 /* Whether a small obstacle has passed a point, so that its normal points out of the body. */

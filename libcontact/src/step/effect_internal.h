@@ -32,6 +32,13 @@ ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, 
 void *ct_effect_begin(const void *def, const ct_problem *problem, ct_effect **effect,
                       const char *what, size_t size, ct_status *status, ct_error *error);
 
+/* Whether surfaces touch in an effect: a contact, an obstacle or a tie. */
+static inline int ct_effect_touches(const ct_effect *effect)
+{
+  return effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_OBSTACLE ||
+         effect->kind == CT_EFFECT_TIE;
+}
+
 /* Node of the problem that is the i-th of an effect. */
 static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
 {

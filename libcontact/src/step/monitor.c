@@ -95,15 +95,9 @@ typedef struct energies {
   double elastic, appeared, alone, expected, most_expected, scale, least;
 } energies;
 
-static int touches(const ct_effect *effect)
-{
-  return effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_TIE ||
-         effect->kind == CT_EFFECT_OBSTACLE;
-}
-
 static int is_alone(const ct_effect *effect)
 {
-  return !touches(effect) && effect->kind != CT_EFFECT_FRICTION;
+  return !ct_effect_touches(effect) && effect->kind != CT_EFFECT_FRICTION;
 }
 
 /* Energy that a contact, a tie or an obstacle stores by rows. Only what the bodies get back of it
@@ -113,7 +107,7 @@ static int is_alone(const ct_effect *effect)
 static double lent_to(const ct_monitor *w, int32_t k)
 {
   const ct_effect *effect = w->problem->effects[k];
-  return touches(effect) && effect->phase == CT_PHASE_CONSTRAINT
+  return ct_effect_touches(effect) && effect->phase == CT_PHASE_CONSTRAINT
              ? fmax(w->next.effects[k].stored, 0.0)
              : 0.0;
 }

@@ -289,13 +289,6 @@ static void mark_common(const ct_piece *piece, const ct_piece_def *def, uint64_t
   }
 }
 
-/* Whether the points of an effect are divided by their places. */
-static int has_points(const ct_effect *effect)
-{
-  return effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_OBSTACLE ||
-         effect->kind == CT_EFFECT_TIE;
-}
-
 /* The planes that divide the points of all contacts, obstacles and ties: by the places of their
  * nodes, so that faces that meet belong to one piece. */
 static void divide_points(ct_piece *piece)
@@ -303,12 +296,12 @@ static void divide_points(ct_piece *piece)
   const ct_problem *problem = piece->problem;
   int64_t count = 0;
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (has_points(problem->effects[k])) count += problem->effects[k]->node_count;
+    if (ct_effect_touches(problem->effects[k])) count += problem->effects[k]->node_count;
   double *places = ct_allocate((size_t)count, 3 * sizeof *places), *next = places;
   piece->planes = ct_pool_take(&piece->pool, (size_t)piece->def.count, sizeof *piece->planes);
   for (int32_t k = 0; places != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    for (int32_t i = 0; has_points(effect) && i < effect->node_count; i++, next += 3)
+    for (int32_t i = 0; ct_effect_touches(effect) && i < effect->node_count; i++, next += 3)
       memcpy(next, &problem->reference[3 * (int64_t)ct_effect_node(effect, i)], 3 * sizeof *next);
   }
   piece->pool.failed |= places == NULL || piece->pool.failed ||
