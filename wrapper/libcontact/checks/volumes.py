@@ -35,7 +35,8 @@ class Volumes(Observer):
         u = self._problem.rows(state.displacement)
         for i, body in list(self._bodies.items()):
             mesh, moved = body.mesh, u[body.nodes]
-            if np.ptp(moved, axis=0).max() < mesh.shortest_edge / 3.0:
+            # Component by component, much faster than along the axis of the nodes.
+            if max(np.ptp(moved[:, c]) for c in range(3)) < mesh.shortest_edge / 3.0:
                 continue
             # (eq:corner-volume)
             now, before = corner_volumes(mesh, mesh.nodes + moved), corner_volumes(mesh, mesh.nodes)
