@@ -2,10 +2,12 @@
 #include "sums.h"
 
 #include "../base/bits.h"
+#include "../base/lanes.h"
 #include "../base/list.h"
 #include "../base/stream.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { KINETIC, WORK, HALF_WORK, MOMENTUM, BODY_SUMS = MOMENTUM + 6 };
 enum { EFFECT_WORK, IMPULSE, EFFECT_SUMS = IMPULSE + 3 };
@@ -44,28 +46,30 @@ static void keep(const ct_stream *sums, int count, ct_grid *grids)
 }
 
 /* (a_x + a_y) + a_z. */
-static double sum_of(const double a[3]) { return (a[0] + a[1]) + a[2]; }
+CT_INLINE double sum_of(const double a[3]) { return (a[0] + a[1]) + a[2]; }
 
 /* Terms of one node, the i-th ones of the sums; `own` is the first effect's force, `begun` says
- * that a constraint's force begins at t = 0. */
-static void node_terms(const ct_problem *problem, const ct_state *state, int32_t node, double share,
-                       const double *own, int begun, const double middle[3],
-                       double (*term)[CT_PIECE], int32_t i)
+ * that a constraint's force begins at t = 0. Inlined with a known `begun`. */
+CT_INLINE void node_terms(const ct_problem *problem, const ct_state *state, int32_t node,
+                          double share, const double *own, int begun, const double middle[3],
+                          double (*restrict term)[CT_PIECE], int32_t i)
 {
   int64_t d = 3 * (int64_t)node;
-  const double *u = &state->displacement[d], *before = &state->velocity[d];
+  const double *u = &state->displacement[d], *before = &state->velocity[d], *done = &state->work[d],
+               *X = &problem->reference[d], *inverse = &problem->inverse_mass[d],
+               *total = &state->workspace->total[d];
   double m = problem->mass[node], kick = 2.0 * share * problem->dt, product[3], work[3], half[3],
          v[3], x[3];
-  for (int c = 0; c < 3; c++, d++) {
+  for (int c = 0; c < 3; c++) {
     // -- v_{n+1/2} as far after v_n as v_{n-1/2} is before (eq:stage-velocity)
-    double after = ct_kick(before[c], kick, problem->inverse_mass[d], state->workspace->total[d]);
+    double after = ct_kick(before[c], kick, inverse[c], total[c]);
     // -- v_n = ½ (v⁻ + v⁺), x_n
     v[c] = 0.5 * (before[c] + after);
-    x[c] = problem->reference[d] + u[c];
+    x[c] = X[c] + u[c];
     // -- v⁻ v⁺ of each component, v_0² where a force begins (eq:discrete-energy, eq:energy-start)
     product[c] = begun ? v[c] * v[c] : before[c] * after;
     // -- Σ f (v⁻ + v⁺) + f_n v_{n-1/2} (eq:work-sum, eq:stage-work)
-    work[c] = state->work[d] + 2.0 * share * own[c] * before[c];
+    work[c] = done[c] + 2.0 * share * own[c] * before[c];
     // -- -f (u - middle) (eq:stored-by-forces)
     half[c] = own[c] * (middle[c] - u[c]);
   }
@@ -81,22 +85,25 @@ static void node_terms(const ct_problem *problem, const ct_state *state, int32_t
 }
 
 /* Terms of the nodes first ... end - 1. */
+CT_CLONES_NODES
 static void body_terms(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
-                       const double middle[3], double (*term)[CT_PIECE])
+                       const double middle[3], double (*restrict term)[CT_PIECE])
 {
   const ct_workspace *w = state->workspace;
   const uint64_t *begun = ct_workspace_begun(state);
-  double share = ct_integrator_share(&problem->integrator);
-  int32_t place = ct_lower_bound(w->shared, w->shared_count, first);
-  for (int32_t n = first; n < end; n++) {
-    // `total` is the first effect's force except at nodes where others were added.
-    int is_shared = place < w->shared_count && w->shared[place] == n;
-    const double *own =
-        is_shared ? &w->shared_first[3 * (int64_t)place] : &w->total[3 * (int64_t)n];
-    node_terms(problem, state, n, share, own, begun != NULL && ct_bits_get(begun, n), middle, term,
-               n - first);
-    place += is_shared;
-  }
+  double share = ct_integrator_share(&problem->integrator), own[3 * CT_PIECE];
+  const int32_t count = end - first;
+  // `total` is the first effect's force except at nodes where others were added.
+  memcpy(own, &w->total[3 * (int64_t)first], 3 * (size_t)count * sizeof *own);
+  for (int32_t k = ct_lower_bound(w->shared, w->shared_count, first);
+       k < w->shared_count && w->shared[k] < end; k++)
+    memcpy(&own[3 * (w->shared[k] - first)], &w->shared_first[3 * (int64_t)k], 3 * sizeof *own);
+#pragma omp simd
+  for (int32_t i = 0; i < count; i++)
+    node_terms(problem, state, first + i, share, &own[3 * i], 0, middle, term, i);
+  for (int32_t i = 0; begun != NULL && i < count; i++)
+    if (ct_bits_get(begun, first + i))
+      node_terms(problem, state, first + i, share, &own[3 * i], 1, middle, term, i);
 }
 
 /* Middle of the displacements of a body, independent of the order of its nodes; returns the largest
