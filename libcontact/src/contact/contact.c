@@ -61,6 +61,7 @@ void ct_contact_close(void *state)
   if (contact == NULL) return;
   for (int s = 0; s < 2; s++) ct_side_clear(&contact->gaps.side[s]);
   ct_release(contact->terms);
+  ct_release(contact->before);
   ct_release(contact->carried.weights);
   ct_release(contact);
 }
@@ -77,7 +78,9 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
     contact->reach = HUGE_VAL, contact->part = 1.0;
     contact->terms = ct_allocate((size_t)(fixed->gaps.point_count + fixed->is.node_count),
                                  sizeof *contact->terms);
-    status = contact->terms != NULL ? fixed->partner->open(contact) : CT_ERROR_MEMORY;
+    contact->before = ct_allocate((size_t)fixed->gaps.point_count, sizeof *contact->before);
+    status = contact->terms != NULL && contact->before != NULL ? fixed->partner->open(contact)
+                                                               : CT_ERROR_MEMORY;
   }
   if (status != CT_OK) {
     ct_contact_close(contact);

@@ -82,6 +82,8 @@ struct ct_contact {
   double part;    /* of the time since the last step that the step before counts; 1, or less after a
                      step that was divided */
   double *terms;  /* memory for sums, one number per point and node */
+  double *before; /* energy that each point stored and held at the middle of the last step; in
+                     pieces 0 for those of others */
   int solved;     /* whether the forces are those of solved rows */
   int complete;   /* whether what only results need of these rows is known: */
   double energy;  /* of the constraints */

@@ -20,7 +20,6 @@ CT_INLINE double above_zero(double x) { return x > 0.0 ? x : 0.0; }
 static double reserve_of(const ct_point *p) { return above_zero(p->row.impact.reserve); }
 static double debt_of(const ct_point *p) { return above_zero(-p->row.impact.reserve); }
 static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
-static double before_of(const ct_point *p) { return p->stored_before; }
 
 static double left_of(const ct_point *p) { return ct_law_left(&p->row); }
 
@@ -44,42 +43,46 @@ typedef struct along {
 
 /* Complete the row of a point at an obstacle that a body carries: the force acts against the body
  * on its own line. */
-static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_point *p)
+static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_constraint *row)
 {
   const ct_side *surface = &contact->gaps.side[0];
+  const ct_point *p = (const ct_point *)(void *)((char *)row - offsetof(ct_point, row));
   const int64_t i = p - side->points;
   double *weights = contact->carried.weights[side == surface ? i : surface->fixed->point_count + i],
          r[3];
-  ct_side_interpolate(surface->search, surface->search->x, ct_side_face(side, i), p->row.own_shape,
+  ct_side_interpolate(surface->search, surface->search->x, ct_side_face(side, i), row->own_shape,
                       contact->carried.centre, r);
   ct_carrier_weigh(&contact->carried, r, weights);
   // -- The nodes of the body, with the weights at the point itself (eq:carrier-row)
-  p->row.other_count = CT_CARRIER_NODES;
-  p->row.other = contact->fixed->carrier->place;
-  p->row.other_shape = weights;
+  row->other_count = CT_CARRIER_NODES;
+  row->other = contact->fixed->carrier->place;
+  row->other_shape = weights;
 }
 
 /* Changes of the gap of a point that are not due to nodes: motion of an obstacle along the normal,
  * and growth of the start gap. */
-CT_INLINE void shift_row(const ct_contact *contact, along m, int rigid, ct_point *p)
+CT_INLINE void shift_row(const ct_contact *contact, const ct_side *side, along m, int rigid,
+                         ct_point *p)
 {
   if (rigid && contact->axis == NULL) m.came = ct_vector_dot(p->row.normal, contact->came);
   if (rigid && contact->axis == NULL) m.coming = ct_vector_dot(p->row.normal, contact->coming);
-  p->row.came = contact->part * (-p->closed - m.came), p->row.moved = -p->closing - m.coming;
+  p->row.came = contact->part * (-p->closed - m.came);
+  p->row.moved = -(p->start * side->closing) - m.coming;
 }
 
 /* List the rows of the points of a side; `alike`: their gaps change alike besides the motion of
  * nodes. Inlined for both. */
 CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *side, const along *m,
-                              double dt, ct_constraint **rows)
+                              double dt, double *before, ct_constraint **rows)
 {
   const double reach = contact->reach, came = -contact->part * m->came, moved = -m->coming;
   const int rigid = ct_contact_is_rigid(contact->fixed) && contact->fixed->carrier == NULL,
             folds = !ct_contact_is_rigid(contact->fixed) && contact->gaps.fixed->sides == 1;
   ct_constraint **to = rows;
-  for (ct_span run = {0}; ct_side_next(side, &run);)
+  for (ct_span run = {0}; ct_side_next(side, &run);) {
+    double *stored = &before[run.first];
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
-      p->stored_before = stored_of(p);
+      *stored++ = stored_of(p);
       p->listed = is_listed(reach, &p->row);
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
@@ -88,9 +91,10 @@ CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *sid
         continue;
       }
       if (alike) p->row.came = came, p->row.moved = moved;
-      else shift_row(contact, *m, rigid, p);
+      else shift_row(contact, side, *m, rigid, p);
       *to++ = &p->row;
     }
+  }
   return to - rows;
 }
 
@@ -102,15 +106,16 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
                    rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
   int64_t count = 0;
+  double *before = contact->before;
   contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     ct_constraint **own = &rows[count];
     if (!side->shifted && (!rigid || axis != NULL)) // no start gaps
-      count += list_points(1, contact, side, &m, dt, own);
-    else count += list_points(0, contact, side, &m, dt, own);
-    // A point begins with its row.
-    for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, (ct_point *)*own);
+      count += list_points(1, contact, side, &m, dt, before, own);
+    else count += list_points(0, contact, side, &m, dt, before, own);
+    for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, *own);
+    before += side->fixed->point_count;
   }
   return count;
 }
@@ -193,6 +198,17 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
+/* The same of what the points had in the step before. */
+static double sum_before(ct_contact *contact)
+{
+  int64_t some = 0;
+  for (int64_t i = 0; i < contact->gaps.fixed->point_count; i++) {
+    contact->terms[some] = contact->before[i];
+    some += contact->terms[some] != 0.0;
+  }
+  return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
+}
+
 /* Let the points that press take what others leave (eq:impact-left). Returns whether any do. */
 static int take_left(ct_contact *contact)
 {
@@ -241,7 +257,7 @@ void ct_contact_complete(ct_contact *contact)
   }
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)
-  const double before = sum_energy(contact, before_of), after = sum_energy(contact, stored_of);
+  const double before = sum_before(contact), after = sum_energy(contact, stored_of);
   contact->energy = 0.5 * (before + after) + sum_energy(contact, lag_of);
 }
 

@@ -121,16 +121,15 @@ void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
   }
 }
 
-/* The present start gap of a point, and its growth in the last step and the next one, of which the
- * shares `at`, `last` and `next` are left. */
+/* The present start gap of a point, and its growth in the last step, of which the shares `at` and
+ * `last` are left. */
 static void shift_point(const ct_start_rule *rule, const ct_side *side, int first, double at,
-                        double last, double next, ct_point *p)
+                        double last, ct_point *p)
 {
   if (p->other < 0 || !(at > 0.0)) p->start = 0.0;
   else if (!first) p->start = later_gap(rule, side, p->start, p->last_known, p->row.gap, at);
   p->shift = p->start * at;
   p->closed = p->start * (at - last);
-  p->closing = p->start * (next - at);
   // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
   p->row.gap -= p->shift;
 }
@@ -144,13 +143,14 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
     if (!side->shifted) continue;
     const double nothing = ct_side_unsure(side);
     side->shifted = 0;
+    side->closing = next_share - share;
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
         side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
         p->last_start = p->start;
         // Most points have none, and keep none.
-        if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
-        else p->shift = p->closed = p->closing = 0.0;
+        if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, p);
+        else p->shift = p->closed = 0.0;
         if (fabs(p->row.gap) <= nothing) p->row.gap = 0.0;
       }
   }

@@ -23,13 +23,16 @@ typedef enum ct_point_status {
   CT_POINT_BURIED
 } ct_point_status;
 
-/* One point of a side at the last update: first what most steps need. */
+/* One point of a side at the last update: seven lines of a cache. What a step of lasting contact
+ * writes is in the third and the fourth, which begin with `row.gap`, and in the first half of the
+ * fifth; the first two change only with the partner. */
 typedef struct ct_point {
+  double outward[3]; /* normal of the other side at the closest point, of any length */
   ct_constraint row; /* of the constraint problem. `gap` is the signed distance minus `shift`; NaN
                         without `other`, or without a direction */
-  int listed;        /* whether the row is listed in this step */
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
+  int listed;        /* whether the row is listed in this step */
   int jumped;        /* whether it is inside by more than the motion since then explains */
   double last_known; /* `known` of the last step */
   double xi[2];      /* parameters of the closest point on it, or 0 */
@@ -37,17 +40,14 @@ typedef struct ct_point {
                       NaN: none was near */
   double start;    /* start gap that does not fade (eq:initial-adjust) */
   double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
-  double force_size;    /* size of the force in the last step, if start gaps fade */
-  double last_start;    /* `start` of the last step */
-  double stored_before; /* energy that its row stored and held at the middle of the last step */
-  double shift;   /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
-  double closed;  /* growth of the shift since the last step */
-  double closing; /* its growth until the next step */
-  double N[8];    /* shape functions of the other face at xi */
-  double d[3];    /* ȳ - y */
-  double along; /* motion away from the closest point along the row's normal since the last update;
-                   NaN: not computed */
-  double outward[3]; /* normal of the other side at the closest point, of any length */
+  double force_size; /* size of the force in the last step, if start gaps fade */
+  double closed;     /* growth of the shift since the last step */
+  double shift; /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
+  double N[8];  /* shape functions of the other face at xi */
+  double d[3];  /* ȳ - y */
+  double along; /* motion away from the closest point along the row's normal since the last
+                   update; NaN: not computed */
+  double last_start; /* `start` of the last step */
   double force[3];   /* on the point's own face; of solved rows for results only */
 } ct_point;
 
@@ -100,6 +100,7 @@ typedef struct ct_side {
   ct_point *points;  /* shape (face_count, rule.count) */
   int shifted;    /* whether a point may have a start gap now, or had one in the last step; ... */
   double nothing; /* ... if not, size of gaps that count as 0; else negative */
+  double closing; /* growth of a shift until the next step, as a fraction of `start` */
   double *force, *force_fine; /* nodal forces: coarse sums, and behind them the fine ones, each of
                                  shape (node_count, 3), and one number more, 0 */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
