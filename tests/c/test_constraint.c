@@ -7,7 +7,7 @@
 #include "bodies.h"
 #include "meeting.h"
 
-enum { NODES = 9, ROWS = 14, PER = 8, DOFS = 3 * NODES };
+enum { NODES = 9, ROWS = 16, PER = 8, DOFS = 3 * NODES };
 
 /* Random rows on few nodes, with the matrices of the book. */
 typedef struct rows {
@@ -42,10 +42,22 @@ static void choose_nodes(rows *r, int j)
   c->own = c[-1].own, c->other = c[-1].other;
 }
 
+/* The nodes of four points of a face at an obstacle; all faces have the weights of one rule, and
+ * many a one the normals of the face before. */
+static void choose_face(rows *r, int j)
+{
+  ct_constraint *c = &r->row[j];
+  c->own_count = 4;
+  take_nodes(4, r->own[j], r->own_shape[j]);
+  for (int a = 0; j == 3 && a < 4; a++) r->own_shape[3][a] = r->own_shape[0][a ^ 2];
+  c->own = r->own[j - j % 4], c->own_shape = r->own_shape[j % 4];
+  if (j >= 4 && j / 4 % 2) memcpy(c->normal, c[-4].normal, sizeof c->normal);
+}
+
 static void fill(rows *r)
 {
   const ct_row_set half = {ROWS / 2, NODES, NULL, 2 * PER, 0, 0}, set[2] = {half, half};
-  const int alike = pick(3) == 0; // as at a plane
+  const int alike = pick(3) == 0, faces = pick(3) == 0; // as at a plane, at an obstacle
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(set, 2, NODES, place, &r->s), &e);
@@ -64,11 +76,12 @@ static void fill(rows *r)
                          .dissipation = 0.15,
                          .gap = uniform(0.5),
                          .force = fmax(0.0, uniform(1.0))};
-    choose_nodes(r, j);
+    if (!faces) choose_nodes(r, j);
     double length = 0.0;
     for (int k = 0; k < 3; k++) c->normal[k] = uniform(1.0), length += c->normal[k] * c->normal[k];
     for (int k = 0; k < 3; k++) c->normal[k] /= sqrt(length);
     if (j > 0 && alike) memcpy(c->normal, r->row[0].normal, sizeof c->normal);
+    if (faces) choose_face(r, j);
     r->s->rows[j] = c;
   }
   r->s->first[1] = ROWS / 2, r->s->first[2] = ROWS;
@@ -520,7 +533,7 @@ static void kept_rows(void)
     for (int k = 0; k < ROWS; k++) {
       r.row[k].own_count = 4, r.row[k].other_count = 0, r.row[k].own = r.own[k];
       take_nodes(4, r.own[k], r.own_shape[k]);
-      r.row[k].gap = -10.0;
+      r.row[k].own_shape = r.own_shape[k], r.row[k].gap = -10.0;
     }
     (void)set_up_again(&r);
     (void)set_up_again(&r);

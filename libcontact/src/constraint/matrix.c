@@ -75,6 +75,17 @@ CT_INLINE int are_square(ct_constraint *const *row)
   return last - first == 24 && first[0] == last[2] && first[1] == last[3];
 }
 
+/* Whether four rows at an obstacle have the normals and weights of the four rows before them, which
+ * are a group: all faces at a plane share one block of G, which stays in a cache. */
+CT_INLINE int repeats(const ct_group *before, ct_constraint *const *row)
+{
+  int same = before->own == 4 && before->other == 0 && before->rows == 4;
+  for (int r = 0; r < 4 && same; r++)
+    same = row[r]->own_shape == row[r - 4]->own_shape &&
+           memcmp(row[r]->normal, row[r - 4]->normal, sizeof row[r]->normal) == 0;
+  return same;
+}
+
 /* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes; and
  * begin the next one. */
 CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
@@ -98,8 +109,11 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     find_places(other, theirs, number, place + own);
   }
   g->face = (int16_t)(own == 4 && rows == 4 && are_square(row));
-  g[1].first = g->first + rows * step;
-  d->begin |= g[1].place != g->place + own + other;
+  const int again = g > s->groups && own == 4 && other == 0 && rows == 4 && repeats(g - 1, row);
+  const int64_t next = again ? g->first : g->first + rows * step;
+  if (again) g->first = g[-1].first;
+  d->begin |= g[1].first != next || g[1].place != g->place + own + other;
+  g[1].first = next;
   g[1].place = g->place + own + other;
 }
 
