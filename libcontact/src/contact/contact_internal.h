@@ -106,6 +106,13 @@ static inline int ct_contact_is_rigid(const ct_contact_fixed *fixed)
   return fixed->partner->distance != NULL;
 }
 
+/* Whether points are plain: at a plane, and without start gaps. Only their rows change from step to
+ * step, and `known` and `status`, which follow from the gap, are not kept. */
+static inline int ct_contact_is_plain(const ct_contact *contact)
+{
+  return contact->axis != NULL && !contact->fixed->is.explicit && !contact->gaps.side[0].shifted;
+}
+
 /* The side opposite to side `s`, null at an obstacle; and the side whose points act on side `s`
  * besides its own, if there is one. */
 static inline ct_side *ct_contact_other(ct_contact *contact, int s)

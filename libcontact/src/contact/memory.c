@@ -107,34 +107,57 @@ typedef char
                                      ? 1
                                      : -1];
 
-/* Store the points of a side; returns the largest of some rows and of theirs. */
-CT_CLONES
-static ct_largest_row store_points(int64_t count, const ct_point *restrict point,
-                                   ct_point_record *restrict record, ct_largest_row largest)
+/* Store a point; of a plain one only what differs from zero. */
+CT_INLINE void store_point(int plain, const ct_point *point, ct_point_record *record)
 {
-  double top = largest.force, least = -largest.debt;
-  for (const ct_point *end = point + count; point < end; point++, record++) {
+  if (plain) {
+    const ct_point_record met = {.other = 1.0,
+                                 .status = point->row.gap < 0.0 ? (double)CT_POINT_INSIDE
+                                                                : (double)CT_POINT_OUTSIDE,
+                                 .known = point->row.gap};
+    *record = met;
+  } else {
     record->other = (double)point->other + 1.0;
     record->status = (double)(int)point->status;
     record->xi[0] = point->xi[0];
     record->xi[1] = point->xi[1];
-    copy_four(&point->known, &record->known);     // and start, admitted, force_size
-    copy_four(&point->row.force, &record->force); // and reserve, pressed, idle
-    record->impact.stored = point->row.impact.stored;
-    record->impact.release = point->row.impact.release;
+    copy_four(&point->known, &record->known); // and start, admitted, force_size
+  }
+  copy_four(&point->row.force, &record->force); // and reserve, pressed, idle
+  record->impact.stored = point->row.impact.stored;
+  record->impact.release = point->row.impact.release;
+}
+
+/* Store the points of a side; returns the largest of some rows and of theirs. Inlined for plain
+ * points and others. */
+CT_INLINE ct_largest_row store_side(int plain, int64_t count, const ct_point *restrict point,
+                                    ct_point_record *restrict record, ct_largest_row largest)
+{
+  double top = largest.force, least = -largest.debt;
+  for (const ct_point *end = point + count; point < end; point++, record++) {
+    store_point(plain, point, record);
     top = point->row.force > top ? point->row.force : top;
     least = point->row.impact.reserve < least ? point->row.impact.reserve : least;
   }
   return (ct_largest_row){.force = top, .debt = -least};
 }
 
+CT_CLONES
+static ct_largest_row store_points(int plain, int64_t count, const ct_point *point,
+                                   ct_point_record *record, ct_largest_row largest)
+{
+  return plain ? store_side(1, count, point, record, largest)
+               : store_side(0, count, point, record, largest);
+}
+
 ct_largest_row ct_contact_store_points(const ct_contact *contact, double *memory)
 {
+  const int plain = ct_contact_is_plain(contact);
   ct_largest_row largest = {0.0, 0.0};
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     for (ct_span run = {0}; ct_side_next(side, &run);)
-      largest = store_points(run.end - run.first, &side->points[run.first],
+      largest = store_points(plain, run.end - run.first, &side->points[run.first],
                              (ct_point_record *)(void *)&memory[CT_RECORD * run.first], largest);
     memory += CT_RECORD * side->fixed->point_count;
   }

@@ -191,26 +191,27 @@ CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const i
   }
 }
 
-/* Store the gap of a point over a plane; its vector to the plane only if it is wanted. */
-CT_INLINE void keep_gap(const ct_side *side, double gap, const double *wanted, ct_point *point)
+/* Store the gap of a point over a plane; unless it is plain, its status, and its vector to the
+ * plane if that is wanted. */
+CT_INLINE void keep_gap(int plain, const ct_side *side, double gap, const double *wanted,
+                        ct_point *point)
 {
+  point->row.gap = ct_side_gap(side, gap);
+  if (plain) return;
   point->last_known = point->known;
   point->known = gap;
-  point->row.gap = ct_side_gap(side, gap);
   point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; wanted != NULL && c < 3; c++) point->d[c] = -gap * wanted[c];
 }
 
-/* Gaps of all points over a plane: they are linear in the positions of the nodes, so none jumps. */
-CT_CLONES
-static void meet_plane(const ct_contact *contact, const double *height, int first)
+/* Gaps of all points over a plane, inlined for plain points and others. */
+CT_INLINE void meet_faces(int plain, const ct_contact *contact, const double *height,
+                          const double *wanted)
 {
   const ct_side *side = &contact->gaps.side[0];
   const ct_search *search = side->search;
   const int points = side->fixed->rule.count, per = search->per, four = per == 4 && points == 4;
-  // The vectors are for start gaps and the explicit penalty.
-  const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
   for (ct_span run = {0}; ct_side_next_faces(side, &run);)
     for (int64_t f = run.first; f < run.end; f++) {
       const int32_t *node = &search->faces[f * per];
@@ -218,12 +219,22 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
       double gap[32];
       if (four) {
         meet_face(4, 4, side->fixed, node, height, gap);
-        for (int q = 0; q < 4; q++) keep_gap(side, gap[q], wanted, &point[q]);
+        for (int q = 0; q < 4; q++) keep_gap(plain, side, gap[q], wanted, &point[q]);
       } else {
         meet_face(per, points, side->fixed, node, height, gap);
-        for (int q = 0; q < points; q++) keep_gap(side, gap[q], wanted, &point[q]);
+        for (int q = 0; q < points; q++) keep_gap(plain, side, gap[q], wanted, &point[q]);
       }
     }
+}
+
+/* The same: they are linear in the positions of the nodes, so none jumps. */
+CT_CLONES
+static void meet_plane(const ct_contact *contact, const double *height, int first)
+{
+  // The vectors are for start gaps and the explicit penalty.
+  const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
+  if (!first && ct_contact_is_plain(contact)) meet_faces(1, contact, height, NULL);
+  else meet_faces(0, contact, height, wanted);
 }
 
 /* Heights of all nodes over a plane. */
