@@ -41,13 +41,10 @@ CT_INLINE void fill_face(int32_t count, double sign, const double *N, double *b)
     b[l] = CT_LANE_NODE[l] < count ? sign * N[CT_LANE_NODE[l]] : 0.0;
 }
 
-/* Numbers of one row; the place behind the normal, of the gap, has no meaning. */
-CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, double *row)
+/* The normal of a row; the number behind it, the gap, has no meaning in G. */
+CT_INLINE const ct_quad *normal_of(const ct_constraint *c)
 {
-  const double *normal = (const double *)((const char *)c + offsetof(ct_constraint, normal));
-  for (int i = 0; i < PARTS; i++) ((ct_quad *)row)[i] = ((const ct_quad *)normal)[i];
-  fill_face(own, 1.0, c->own_shape, row + 4);
-  fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
+  return (const ct_quad *)(const void *)((const char *)c + offsetof(ct_constraint, normal));
 }
 
 /* What differs between the groups: bits of normals from that of the first row of all; and the nodes
@@ -57,13 +54,15 @@ typedef struct changes {
   int nodes, begin;
 } changes;
 
-/* Numbers of one row, and what differs. */
-CT_INLINE void fill_next(const ct_solver *s, int32_t own, int32_t other, const ct_constraint *c,
-                         double *G, changes *d)
+/* Numbers of one row, and what differs; `again`: those of the own face are there already. */
+CT_INLINE void fill_row(const ct_solver *s, int again, int32_t own, int32_t other,
+                        const ct_constraint *c, double *row, changes *d)
 {
   const ct_quad *head = (const ct_quad *)s->G;
-  fill_row(own, other, c, G);
-  for (int i = 0; i < PARTS && i < 3; i++) d->normal |= ((const ct_quad *)G)[i] != head[i];
+  for (int i = 0; i < PARTS; i++) ((ct_quad *)row)[i] = normal_of(c)[i];
+  for (int i = 0; i < PARTS && i < 3; i++) d->normal |= ((const ct_quad *)row)[i] != head[i];
+  if (!again) fill_face(own, 1.0, c->own_shape, row + 4);
+  fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
 /* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
@@ -96,7 +95,7 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
   double *G = &s->G[g->first];
   int32_t rows = 0, *place = &s->entry_place[g->place];
   do {
-    fill_next(s, own, other, row[rows], G, d);
+    fill_row(s, 0, own, other, row[rows], G, d);
     G += step, rows++;
   } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
            row[rows]->own_count == own && row[rows]->other_count == other);
@@ -128,15 +127,15 @@ static int have_one_normal(ct_solver *s, const quad_bits *differ)
   return most[0] == 0.0 && most[1] == -most[4] && most[2] == -most[5] && most[3] == -most[6];
 }
 
-/* Fill a group of the last step if it is four points of a face that still meet the same other face;
- * returns whether it is. */
+/* Fill a group of the last step if it is four points of a face, whose own weights stay, that still
+ * meet the same other face; returns whether it is. */
 CT_INLINE int fill_again(const ct_solver *s, ct_constraint *const *row, const ct_group *g,
                          changes *d)
 {
   if (!g->face || g->other != 4) return 0;
   for (int32_t r = 0; r < 4; r++)
     if (row[r]->other != g->others) return 0;
-  for (int32_t r = 0; r < 4; r++) fill_next(s, 4, 4, row[r], &s->G[g->first + 12 * r], d);
+  for (int32_t r = 0; r < 4; r++) fill_row(s, 1, 4, 4, row[r], &s->G[g->first + 12 * r], d);
   return 1;
 }
 
@@ -174,17 +173,17 @@ typedef struct difference {
   quad_bits normal, weight;
 } difference;
 
-/* Compare the rows of a group with its nodes and numbers. */
-CT_INLINE void compare(int32_t rows, const ct_group *g, ct_constraint *const *row, const double *G,
-                       difference *d)
+/* Compare the rows of a group with its nodes and numbers; `again`: they are the points of a face
+ * that it had in the last step, of which only the normals may differ. */
+CT_INLINE void compare(int again, int32_t rows, const ct_group *g, ct_constraint *const *row,
+                       const double *G, difference *d)
 {
   d->some |= (uintptr_t)((g->own ^ 4) | g->other);
   for (int32_t r = 0; r < rows; r++, G += 8) {
     const ct_constraint *c = row[r];
-    const double *normal = (const double *)((const char *)c + offsetof(ct_constraint, normal));
+    for (int i = 0; i < PARTS && i < 3; i++) d->normal |= normal_of(c)[i] != ((const ct_quad *)G)[i];
+    if (again) continue;
     d->some |= ((uintptr_t)c->own ^ (uintptr_t)g->nodes) | (uintptr_t)c->other_count;
-    for (int i = 0; i < PARTS && i < 3; i++)
-      d->normal |= ((const ct_quad *)normal)[i] != ((const ct_quad *)G)[i];
     for (int i = 0; i < PARTS; i++)
       d->weight |= ((const ct_quad *)c->own_shape)[i] != ((const ct_quad *)(G + 4))[i];
   }
@@ -220,8 +219,8 @@ CT_INLINE int keep_rows(ct_solver *s, int known)
   for (int64_t first = 0, r = 0; g < end; first = r) {
     difference d = {0};
     for (; g < end && r < first + ROWS; r += g->rows, g++) {
-      if (g->rows == 4) compare(4, g, &s->rows[r], &s->G[g->first], &d);
-      else compare(g->rows, g, &s->rows[r], &s->G[g->first], &d);
+      if (known && g->face) compare(1, 4, g, &s->rows[r], &s->G[g->first], &d);
+      else compare(0, g->rows, g, &s->rows[r], &s->G[g->first], &d);
     }
     if (!are_equal(&d)) return 0;
     ct_law_rows_read(&s->laws, s->rows, first, r, known);
