@@ -307,8 +307,8 @@ CT_INLINE void force_of(const ct_point *p, int solved, double force[4])
 #if CT_ROWS
   if (solved) {
     const double *normal = (const double *)((const char *)p + offsetof(ct_point, row.normal));
-    const ct_quad none = {0.0}, F = *(const ct_quad *)normal * p->row.force;
-    *(ct_quad *)force = CT_PICK(F, none, 0, 1, 2, 4); // not the gap behind the normal
+    const ct_quad axes = {1.0, 1.0, 1.0, 0.0}; // not the gap behind the normal
+    *(ct_quad *)force = *(const ct_quad *)normal * p->row.force * axes;
     return;
   }
 #endif
@@ -319,7 +319,7 @@ CT_INLINE void force_of(const ct_point *p, int solved, double force[4])
 
 CT_INLINE int has_force(const ct_point *p, int solved)
 {
-  return solved ? p->row.force != 0.0 : ct_point_has_force(p);
+  return solved ? p->row.force > 0.0 : ct_point_has_force(p);
 }
 
 /* Add the forces of the points of a face, one by one, and what acts against them on the other side.
