@@ -507,6 +507,7 @@ static int slide(ct_solver *s, const double *force)
 int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 {
   const int along = s->along;
+  s->iterations++;
   // -- W λ = G (A Gᵀ λ) (eq:constraint-problem)
   if (!(along ? slide(s, force) : ct_matrix_push(s, force))) return 0;
   (along ? ct_times_along : ct_times_full)(s->groups, s->count, s->entry_place, s->G, s->moved,

@@ -124,31 +124,15 @@ static double add_coarse(double coarse, const double *terms, int64_t count)
   return sum;
 }
 
-/* out += a x, row by row. */
+/* The gradient, of which it has the gaps that the forces open. */
 CT_CLONES
-static void add_times(int64_t count, const double *a, const double *x, double *restrict out)
+static void add_laws(int64_t count, const double *C, const double *force, const double *free,
+                     const double *b, double *restrict gradient)
 {
 #pragma omp simd
-  for (int64_t r = 0; r < count; r++) out[r] += a[r] * x[r];
-}
-
-/* `out` = (W + C) times forces: the gaps that they open plus the compliances times the forces
- * (eq:constraint-problem). */
-static int apply(ct_solver *s, const double *force, double *out)
-{
-  if (!ct_matrix_apply(s, force, out)) return 0;
-  // -- W λ + C λ
-  add_times(s->count, s->C, force, out);
-  s->iterations++;
-  return 1;
-}
-
-/* Add the gradient without forces. */
-CT_CLONES
-static void add_free(int64_t count, const double *free, const double *b, double *restrict gradient)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) gradient[r] += free[r] + b[r];
+  for (int64_t r = 0; r < count; r++)
+    // -- r = (W + C) λ + g_free + b (eq:constraint-function)
+    gradient[r] = (gradient[r] + C[r] * force[r]) + (free[r] + b[r]);
 }
 
 /* Whether friction needs the motion of the nodes by the forces, and cannot have it at once. */
@@ -160,10 +144,9 @@ static int is_followed(const ct_solver *s)
 /* The gradient at the present forces. */
 static int find_gradient(ct_solver *s)
 {
-  if (!apply(s, s->force, s->gradient)) return 0;
+  if (!ct_matrix_apply(s, s->force, s->gradient)) return 0;
   if (is_followed(s)) ct_matrix_take(s, s->tangent->pressed);
-  // -- r = (W + C) λ + g_free + b (eq:constraint-function)
-  add_free(s->count, s->free, s->b, s->gradient);
+  add_laws(s->count, s->C, s->force, s->free, s->b, s->gradient);
   return 1;
 }
 
@@ -186,13 +169,12 @@ static double sum_terms(const ct_solver *s, double top)
   return sum;
 }
 
-/* Σ x_r y_r; another number becomes the largest one of all pieces. */
-static double product(const ct_solver *s, const double *x, const double *y, double *other)
+/* Σ x_r y_r. */
+static double product(const ct_solver *s, const double *x, const double *y)
 {
-  double top[2] = {multiply(s->count, x, y, s->terms), *other};
-  ct_pieces_largest(s->pieces, top, 2);
-  *other = top[1];
-  return sum_terms(s, top[0]);
+  double top = multiply(s->count, x, y, s->terms);
+  ct_pieces_largest(s->pieces, &top, 1);
+  return sum_terms(s, top);
 }
 
 /* Measures of a unit step down the gradient that keeps forces at their least value or above: the
@@ -229,18 +211,30 @@ static void descend(int64_t count, const double *gradient, const double *scale, 
   measures[TERM] = isfinite(all) ? largest : INFINITY;
 }
 
-/* The largest part of any force by which a step along the direction decreases it. */
+/* The image of a direction, of which it has the gaps, and the terms of its product with it. Measures
+ * the largest part of any force by which a step along the direction decreases it, and the largest
+ * term. */
 CT_CLONES
-static double fastest_decrease(int64_t count, const double *force, const double *least,
-                               const double *direction)
+static void find_image(int64_t count, const double *C, const double *force, const double *least,
+                       const double *direction, double *restrict image, double *restrict terms,
+                       double measures[2])
 {
-  double fastest = 0.0;
-#pragma omp simd reduction(max : fastest)
+  double fastest = 0.0, largest = 0.0, all = 0.0;
+#ifndef __clang__ // as in ct_largest
+#pragma omp simd reduction(max : fastest, largest) reduction(+ : all)
+#endif
   for (int64_t r = 0; r < count; r++) {
-    double part = direction[r] / (force[r] - least[r]); // NaN if both are 0; 0 of a tie
+    // -- W d + C d (eq:constraint-problem)
+    const double own = image[r] + C[r] * direction[r], term = direction[r] * own, size = fabs(term),
+                 part = direction[r] / (force[r] - least[r]); // NaN if both are 0; 0 of a tie
+    image[r] = own;
+    terms[r] = term;
+    all += size;
+    largest = size > largest ? size : largest;
     fastest = part > fastest ? part : fastest;
   }
-  return fastest;
+  measures[0] = fastest;
+  measures[1] = isfinite(all) ? largest : INFINITY;
 }
 
 /* Step along the direction, and update the gradient. */
@@ -282,10 +276,12 @@ static int step_down(ct_solver *s)
  * are not finite. */
 static int improve(ct_solver *s, double slope)
 {
-  if (!apply(s, s->direction, s->image)) return -1;
-  double fastest = fastest_decrease(s->count, s->force, s->least, s->direction);
-  const double curvature = product(s, s->direction, s->image, &fastest),
-               longest = fastest > 0.0 ? 1.0 / fastest : DBL_MAX, best = slope / curvature;
+  double measures[2];
+  if (!ct_matrix_apply(s, s->direction, s->image)) return -1;
+  find_image(s->count, s->C, s->force, s->least, s->direction, s->image, s->terms, measures);
+  ct_pieces_largest(s->pieces, measures, 2);
+  const double longest = measures[0] > 0.0 ? 1.0 / measures[0] : DBL_MAX,
+               curvature = sum_terms(s, measures[1]), best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
     const double length = best < longest ? best : longest;
     step_along(s->count, length, s->direction, s->image, s->least, s->force, s->gradient);
@@ -416,8 +412,7 @@ static int find_forces(ct_solver *s)
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     const int lifts = d[LIFT] > 0.0, release = lifts && releases(s);
     // The last calls may have used the place of the terms.
-    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide,
-                                                      s->gradient, &(double){0.0})
+    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide, s->gradient)
                                             : sum_terms(s, d[TERM]);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
