@@ -65,6 +65,18 @@ CT_INLINE void fill_row(const ct_solver *s, int again, int32_t own, int32_t othe
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
+/* The numbers of four rows with some quads of nodes side by side, behind them; `again` as above. */
+CT_INLINE void turn_rows(int again, int32_t quads, double *G)
+{
+  const int32_t step = 4 * (1 + quads);
+  for (int32_t q = 0; q < 1 + quads; q += again ? 2 : 1) {
+    const double *from[4];
+    double *to[4];
+    for (int r = 0; r < 4; r++) from[r] = G + r * step + 4 * q, to[r] = G + 4 * (step + 4 * q + r);
+    ct_turn(from, to);
+  }
+}
+
 /* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
  * opposite each other, unlike four of more points in a row. */
 CT_INLINE int are_square(ct_constraint *const *row)
@@ -108,9 +120,11 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     find_places(other, theirs, number, place + own);
   }
   g->face = (int16_t)(own == 4 && rows == 4 && are_square(row));
-  const int again = g > s->groups && own == 4 && other == 0 && rows == 4 && repeats(g - 1, row);
-  const int64_t next = again ? g->first : g->first + rows * step;
+  const int turned = g->face && (other == 4 || other == 0),
+            again = g > s->groups && own == 4 && other == 0 && rows == 4 && repeats(g - 1, row);
+  const int64_t next = again ? g->first : g->first + (turned ? 2 : 1) * rows * step;
   if (again) g->first = g[-1].first;
+  else if (turned) turn_rows(0, 1 + other / 4, &s->G[g->first]);
   d->begin |= g[1].first != next || g[1].place != g->place + own + other;
   g[1].first = next;
   g[1].place = g->place + own + other;
@@ -136,6 +150,7 @@ CT_INLINE int fill_again(const ct_solver *s, ct_constraint *const *row, const ct
   for (int32_t r = 0; r < 4; r++)
     if (row[r]->other != g->others) return 0;
   for (int32_t r = 0; r < 4; r++) fill_row(s, 1, 4, 4, row[r], &s->G[g->first + 12 * r], d);
+  turn_rows(1, 2, &s->G[g->first]);
   return 1;
 }
 
@@ -181,7 +196,8 @@ CT_INLINE void compare(int again, int32_t rows, const ct_group *g, ct_constraint
   d->some |= (uintptr_t)((g->own ^ 4) | g->other);
   for (int32_t r = 0; r < rows; r++, G += 8) {
     const ct_constraint *c = row[r];
-    for (int i = 0; i < PARTS && i < 3; i++) d->normal |= normal_of(c)[i] != ((const ct_quad *)G)[i];
+    for (int i = 0; i < PARTS && i < 3; i++)
+      d->normal |= normal_of(c)[i] != ((const ct_quad *)G)[i];
     if (again) continue;
     d->some |= ((uintptr_t)c->own ^ (uintptr_t)g->nodes) | (uintptr_t)c->other_count;
     for (int i = 0; i < PARTS; i++)

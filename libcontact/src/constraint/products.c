@@ -124,8 +124,8 @@ CT_INLINE void sum_quads(row_part part, int32_t first, int32_t count, const doub
   }
 }
 
-/* Rows of G with the same nodes times a vector. Inlined for faces with four and eight nodes, the
- * most frequent ones, so that the vectors at the nodes stay in registers. */
+/* Rows of G with the same nodes times a vector. Inlined for faces with four and eight nodes, so
+ * that the vectors at the nodes stay in registers. */
 CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t rows,
                           const int32_t *place, const double *G, const double *x, double *out)
 {
@@ -142,6 +142,27 @@ CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t row
     sum_quads(part, mine, theirs, row, at, more);
     for (int i = 0; theirs > 0 && i < PARTS; i++) sum[i] += more[i];
     for (int i = 0; i < 4 && r + i < rows; i++) out[r + i] = ((const double *)sum)[i];
+  }
+}
+
+/* The same of the four rows of a face, to the same bits, from their numbers side by side: nothing
+ * is summed over lanes. */
+CT_INLINE void times_face(row_part part, int32_t other, const int32_t *place, const double *G,
+                          const double *x, double *out)
+{
+  const ct_quad *n = (const ct_quad *)&G[16 * (2 + other / 4)], *b = n + 4 * PARTS;
+  for (int i = 0; i < PARTS; i++, n++, b++) {
+    ct_quad t[8];
+    for (int32_t a = 0; a < 4 + other; a++) {
+      const double *v = &x[place[a]];
+      const ct_quad w = b[PARTS * a];
+      t[a] = part == SIZES   ? SIZE_OF(w) * v[3]
+             : part == ALONG ? w * v[3]
+                             : ((n[0] * v[0] + n[PARTS] * v[1]) + n[2 * PARTS] * v[2]) * w;
+    }
+    ct_quad sum = (t[0] + t[1]) + (t[2] + t[3]);
+    if (other > 0) sum += (t[4] + t[5]) + (t[6] + t[7]);
+    ((ct_quad *)out)[i] = sum;
   }
 }
 
@@ -163,11 +184,14 @@ typedef struct factors {
 
 /* The product of groups with the same numbers of nodes and rows, which follow on each other: most
  * do, so that these numbers are constants in a loop. Returns the group behind them. */
-CT_INLINE const ct_group *times_like(row_part part, int32_t own, int32_t other, int face,
-                                     int32_t rows, const ct_group *e, factors *f)
+CT_INLINE const ct_group *times_like(row_part part, int turned, int32_t own, int32_t other,
+                                     int face, int32_t rows, const ct_group *e, factors *f)
 {
   do {
-    times_rows(part, own, other, rows, &f->places[e->place], &f->G[e->first], f->x, f->out);
+    const int32_t *place = &f->places[e->place];
+    const double *G = &f->G[e->first];
+    if (turned) times_face(part, other, place, G, f->x, f->out);
+    else times_rows(part, own, other, rows, place, G, f->x, f->out);
     f->out += rows, e++;
   } while (f->out < f->end && is_like(e, own, other, face, rows));
   return e;
@@ -179,11 +203,11 @@ CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count
 {
   factors f = {places, G, x, out, out + count};
   for (const ct_group *e = groups; f.out < f.end;)
-    if (is_like(e, 4, 4, 1, 4)) e = times_like(part, 4, 4, 1, 4, e, &f);
-    else if (is_like(e, 4, 0, 1, 4)) e = times_like(part, 4, 0, 1, 4, e, &f);
-    else if (e->own == 4 && e->other == 4) e = times_like(part, 4, 4, e->face, e->rows, e, &f);
-    else if (e->own == 8 && e->other == 8) e = times_like(part, 8, 8, e->face, e->rows, e, &f);
-    else e = times_like(part, e->own, e->other, e->face, e->rows, e, &f);
+    if (is_like(e, 4, 4, 1, 4)) e = times_like(part, 1, 4, 4, 1, 4, e, &f);
+    else if (is_like(e, 4, 0, 1, 4)) e = times_like(part, 1, 4, 0, 1, 4, e, &f);
+    else if (e->own == 4 && e->other == 4) e = times_like(part, 0, 4, 4, e->face, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8) e = times_like(part, 0, 8, 8, e->face, e->rows, e, &f);
+    else e = times_like(part, 0, e->own, e->other, e->face, e->rows, e, &f);
 }
 
 CT_CLONES

@@ -53,7 +53,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
     places += sets[k].node_count, s->most += sets[k].most, slips += sets[k].slips;
     s->foreign |= sets[k].foreign;
     most_entries += sets[k].row_nodes * sets[k].most;
-    most_quads += (1 + (sets[k].row_nodes + 6) / 4) * sets[k].most;
+    most_quads += 2 * (1 + (sets[k].row_nodes + 6) / 4) * sets[k].most;
   }
   // Each point may have a second row in the step in which it opens.
   size_t nodes = (size_t)places, rows = 2 * (size_t)s->most, entries = (size_t)most_entries;
@@ -211,9 +211,9 @@ static void descend(int64_t count, const double *gradient, const double *scale, 
   measures[TERM] = isfinite(all) ? largest : INFINITY;
 }
 
-/* The image of a direction, of which it has the gaps, and the terms of its product with it. Measures
- * the largest part of any force by which a step along the direction decreases it, and the largest
- * term. */
+/* The image of a direction, of which it has the gaps, and the terms of the product of both. The
+ * measures are the largest part of any force by which a step along the direction decreases it, and
+ * the largest term. */
 CT_CLONES
 static void find_image(int64_t count, const double *C, const double *force, const double *least,
                        const double *direction, double *restrict image, double *restrict terms,
@@ -412,7 +412,8 @@ static int find_forces(ct_solver *s)
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     const int lifts = d[LIFT] > 0.0, release = lifts && releases(s);
     // The last calls may have used the place of the terms.
-    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide, s->gradient)
+    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide,
+                                                      s->gradient)
                                             : sum_terms(s, d[TERM]);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);

@@ -40,7 +40,9 @@ static inline int ct_solver_accepts(double given)
 
 /* Consecutive rows of G with the same nodes, which share the list of their places. A row is b_a n;
  * in G it has its normal and an unused number, then b_a of the nodes of its own face and of the
- * other, each filled up to whole quads. Faces at a plane share these numbers. */
+ * other, each filled up to whole quads. Behind the rows of a face that meets another one with four
+ * nodes, or none, these numbers follow again, those of the four rows side by side. Faces at a plane
+ * share their numbers. */
 typedef struct ct_group {
   int64_t first, place;          /* of its numbers and of its nodes */
   const int32_t *nodes, *others; /* of both faces, as a row has them */
