@@ -231,26 +231,41 @@ void ct_times_sizes(const ct_group *groups, int64_t count, const int32_t *places
   times_groups(SIZES, groups, count, places, G, x, out);
 }
 
-/* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`. */
-CT_INLINE void push(row_part part, const double *row, int32_t b, int c, double force, ct_quad *out)
+/* The components c of the forces of some rows r, in 4 c + r; of the four rows of a face from their
+ * numbers side by side. */
+CT_INLINE void resolve(int turned, int32_t rows, int32_t step, const double *G, const double *force,
+                       double *out)
 {
-  const ct_quad N = *(const ct_quad *)&row[b];
-  *out = part == SIZES ? SIZE_OF(N) * force : part == ALONG ? N * force : N * (row[c] * force);
+  const ct_quad *n = (const ct_quad *)&G[4 * step], *f = (const ct_quad *)force;
+  for (int i = 0; turned && i < 3 * PARTS; i++) ((ct_quad *)out)[i] = n[i] * f[i % PARTS];
+  for (int c = 0; c < 3; c++)
+    for (int r = 0; !turned && r < rows; r++) out[4 * c + r] = G[r * step + c] * force[r];
+}
+
+/* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`; or its
+ * force on the line of all, or size. */
+CT_INLINE void push(row_part part, const double *b, double force, ct_quad *out)
+{
+  const ct_quad N = *(const ct_quad *)b;
+  *out = part == SIZES ? SIZE_OF(N) * force : N * force;
 }
 
 /* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples
  * of the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows
  * are those of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated
  * face gives the same bits (eq:tree-sum). */
-CT_INLINE void add_row(row_part part, int32_t quads, int four, double coarse, int32_t step,
-                       const double *row, const double *f, ct_quad *sum)
+CT_INLINE void add_row(row_part part, int turned, int32_t quads, int four, double coarse,
+                       int32_t step, const double *row, const double *force, ct_quad *sum)
 {
+  double resolved[12];
+  const double *f = part == FULL ? resolved : force;
+  if (part == FULL) resolve(turned, four ? 4 : 1, step, row, force, resolved);
   for (int32_t q = 0; q < quads; q++)
     for (int c = 0; c < (part == FULL ? 3 : 1); c++)
       for (int i = 0; i < PARTS; i++) {
         ct_quad t[4];
         for (int r = 0; r < (four ? 4 : 1); r++)
-          push(part, row + r * step, 4 + 4 * q + i, c, f[r], &t[r]);
+          push(part, row + r * step + 4 + 4 * q + i, f[4 * c + r], &t[r]);
         ct_quad *to = &sum[PARTS * (3 * q + c) + i];
         if (four) *to = (((t[0] + t[3]) + (t[1] + t[2])) + coarse) - coarse;
         else *to += (t[0] + coarse) - coarse;
@@ -279,19 +294,19 @@ CT_INLINE void add_nodes(row_part part, int32_t own, int32_t other, const int32_
 }
 
 /* Add rows of G with the same nodes, times their forces, to the sums at the nodes. */
-CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other, int face,
-                        int32_t rows, const int32_t *place, const double *G, const double *force,
-                        double *sums)
+CT_INLINE void add_rows(row_part part, int turned, double coarse, int32_t own, int32_t other,
+                        int face, int32_t rows, const int32_t *place, const double *G,
+                        const double *force, double *sums)
 {
   const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
   const ct_quad none = {0.0};
   ct_quad sum[3 * PARTS * MOST_QUADS];
   if (face && rows == 4) {
-    add_row(part, quads, 1, coarse, step, G, force, sum);
+    add_row(part, turned, quads, 1, coarse, step, G, force, sum);
   } else {
     for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
     for (int32_t r = 0; r < rows; r++)
-      add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+      add_row(part, 0, quads, 0, coarse, step, G + r * step, force + r, sum);
   }
   add_nodes(part, own, other, place, sum, sums);
 }
@@ -305,12 +320,13 @@ typedef struct forces {
 } forces;
 
 /* Add the rows of groups with the same numbers of nodes and rows, as times_like. */
-CT_INLINE const ct_group *add_like(row_part part, double coarse, int32_t own, int32_t other,
-                                   int face, int32_t rows, const ct_group *e, forces *f)
+CT_INLINE const ct_group *add_like(row_part part, int turned, double coarse, int32_t own,
+                                   int32_t other, int face, int32_t rows, const ct_group *e,
+                                   forces *f)
 {
   do {
-    add_rows(part, coarse, own, other, face, rows, &f->places[e->place], &f->G[e->first], f->force,
-             f->sums);
+    add_rows(part, turned, coarse, own, other, face, rows, &f->places[e->place], &f->G[e->first],
+             f->force, f->sums);
     f->force += rows, e++;
   } while (e < f->end && is_like(e, own, other, face, rows));
   return e;
@@ -323,13 +339,13 @@ CT_INLINE void add_groups(row_part part, double coarse, const ct_group *groups, 
 {
   forces f = {places, G, force, sums, groups + count};
   for (const ct_group *e = groups; e < f.end;)
-    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, coarse, 4, 4, 1, 4, e, &f);
-    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, coarse, 4, 0, 1, 4, e, &f);
+    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, 1, coarse, 4, 4, 1, 4, e, &f);
+    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, 1, coarse, 4, 0, 1, 4, e, &f);
     else if (e->own == 4 && e->other == 4)
-      e = add_like(part, coarse, 4, 4, e->face, e->rows, e, &f);
+      e = add_like(part, 0, coarse, 4, 4, e->face, e->rows, e, &f);
     else if (e->own == 8 && e->other == 8)
-      e = add_like(part, coarse, 8, 8, e->face, e->rows, e, &f);
-    else e = add_like(part, coarse, e->own, e->other, e->face, e->rows, e, &f);
+      e = add_like(part, 0, coarse, 8, 8, e->face, e->rows, e, &f);
+    else e = add_like(part, 0, coarse, e->own, e->other, e->face, e->rows, e, &f);
 }
 
 CT_CLONES
