@@ -194,8 +194,7 @@ static int find_bound(ct_solver *s)
     ct_copy(s->scale, s->bound, rows);
     return 1;
   }
-  set_all(s->direction, 0, s->count, 1.0);
-  if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
+  if (!ct_matrix_bound(s, 0, s->scale)) return 0;
   if (ct_matrix_stays(s)) memcpy(s->bound_mobility, s->mobility, nodes);
   ct_copy(s->bound, s->scale, rows);
   return 1;
@@ -348,7 +347,7 @@ static void split_releases(ct_solver *s)
  * (eq:release-ramp). */
 static int add_releases(ct_solver *s)
 {
-  const int64_t points = s->point_count;
+  const int64_t points = s->point_count, groups = s->group_count;
   list_releases(s);
   split_releases(s);
   double all[2] = {(double)s->count, (double)points};
@@ -356,9 +355,7 @@ static int add_releases(ct_solver *s)
   s->all_count = isfinite(all[0]) ? (int64_t)all[0] : 0;
   if (all[0] == all[1]) return 1;
   ct_matrix_choose(s);
-  set_all(s->direction, 0, points, 0.0);
-  set_all(s->direction, points, s->count, 1.0);
-  if (!ct_matrix_bound(s, s->direction, s->terms)) return 0;
+  if (!ct_matrix_bound(s, groups, s->terms)) return 0;
   for (int64_t r = points; r < s->count; r++) {
     const int64_t own = s->opened[r - points];
     const ct_constraint c = {.before = s->laws.before[own], .impact.reserve = s->laws.reserve[own]};

@@ -53,8 +53,8 @@ void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place
 /* Mobilities of the nodes along the one normal of all rows, as fourth components. */
 void ct_matrix_project(const ct_solver *solver);
 
-/* An upper bound of Σ_k |W_jk| y_k of each active row, for numbers y that are not negative: 1 for
- * the sum over all rows (eq:constraint-bound). Returns 0 if it is not finite. */
-int ct_matrix_bound(ct_solver *solver, const double *y, double *out);
+/* An upper bound of Σ_k |W_jk| of each active row j, over the rows k from those of a group on, the
+ * first being 0 (eq:constraint-bound). Returns 0 if it is not finite. */
+int ct_matrix_bound(ct_solver *solver, int64_t from, double *out);
 
 #endif

@@ -243,11 +243,12 @@ CT_INLINE void resolve(int turned, int32_t rows, int32_t step, const double *G, 
 }
 
 /* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`; or its
- * force on the line of all, or size. */
+ * force on the line of all, or the size of a unit force. */
 CT_INLINE void push(row_part part, const double *b, double force, ct_quad *out)
 {
   const ct_quad N = *(const ct_quad *)b;
-  *out = part == SIZES ? SIZE_OF(N) * force : N * force;
+  if (part == SIZES) *out = SIZE_OF(N);
+  else *out = N * force;
 }
 
 /* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples

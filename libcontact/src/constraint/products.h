@@ -24,9 +24,9 @@ typedef void ct_times(const ct_group *groups, int64_t count, const int32_t *plac
                       const double *x, double *out);
 ct_times ct_times_full, ct_times_along, ct_times_sizes;
 
-/* Add the forces of the rows of `count` groups to sums at nodes: b_a n times the force; and b_a or
- * |b_a| times it, to the fourth components. The sums are exact multiples of the spacing of the grid
- * `coarse` (eq:order-free-sum). */
+/* Add the forces of the rows of `count` groups to sums at nodes: b_a n times the force; and b_a
+ * times it, or |b_a| of unit forces, to the fourth components. The sums are exact multiples of the
+ * spacing of the grid `coarse` (eq:order-free-sum). */
 typedef void ct_add(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
                     const double *G, const double *force, double *restrict sums);
 ct_add ct_add_full, ct_add_along, ct_add_sizes;
