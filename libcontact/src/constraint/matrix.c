@@ -363,8 +363,8 @@ void ct_matrix_project(const ct_solver *s)
   }
 }
 
-/* Sums of the forces of rows, from those of a group on, at the nodes of this piece's active rows, or
- * at all; the largest is `top`. Returns 0 if they are not finite. */
+/* Sums of the forces of rows, from those of a group on, at the nodes of this piece's active rows,
+ * or at all; the largest is `top`. Returns 0 if they are not finite. */
 static int add_forces(ct_solver *s, ct_add *add, int64_t from, const double *force, double top,
                       int all)
 {

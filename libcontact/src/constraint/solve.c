@@ -412,9 +412,9 @@ static int find_forces(ct_solver *s)
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     const int lifts = d[LIFT] > 0.0, release = lifts && releases(s);
     // The last calls may have used the place of the terms.
-    const double slope = lifts || s->judged ? product(s, release ? s->direction : s->guide,
-                                                      s->gradient)
-                                            : sum_terms(s, d[TERM]);
+    const double slope = lifts || s->judged
+                             ? product(s, release ? s->direction : s->guide, s->gradient)
+                             : sum_terms(s, d[TERM]);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
     first = improve(s, slope);
