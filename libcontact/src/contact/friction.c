@@ -42,21 +42,34 @@ static void count_motion(const ct_friction_call *now, const double *force, ct_fr
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-/* List the points that have rows in this step; the last one also fills the rest of its batch. */
-static void list_points(ct_friction_memory *s, const ct_friction_call *now)
+/* List the points that have rows in this step; the last one also fills the rest of its batch.
+ * Returns whether there are others. */
+static int list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
   ct_friction_point *listed = s->listed;
-  int64_t first = 0, count = 0;
+  int64_t first = 0, count = 0, others = 0;
   for (int k = 0; k < s->data->sides; first += s->data->side[k++]->point_count) {
     for (ct_span run = {0}; ct_side_next(now->side[k], &run);)
       for (int64_t i = run.first; i < run.end; i++) {
         ct_point *point = &now->side[k]->points[i];
         if (point->listed) listed[count++] = (ct_friction_point){point, first + i, k};
-        else point->row.slip = NULL;
+        else point->row.slip = NULL, others++;
       }
   }
   s->listed_count = count;
   for (; count > 0 && count % CT_BATCH != 0; count++) listed[count] = listed[count - 1];
+  return others > 0;
+}
+
+/* Points that are not listed store nothing. */
+static void clear_memory(const ct_friction_memory *s, const ct_friction_call *now)
+{
+  int64_t first = 0;
+  for (int k = 0; k < s->data->sides; first += s->data->side[k++]->point_count)
+    for (ct_span run = {0}; ct_side_next(now->side[k], &run);)
+      for (int64_t i = run.first; i < run.end; i++)
+        if (!now->side[k]->points[i].listed)
+          ct_clear(&now->at->next_memory[CT_FRICTION_RECORD * (first + i)], CT_FRICTION_RECORD);
 }
 
 /* Prepare the listed points for the solver, or afterwards store what it found. */
@@ -72,15 +85,6 @@ static void treat(ct_friction_memory *s, const ct_friction_call *now, int solved
   }
 }
 
-/* Points that are not listed store nothing. */
-static void clear_memory(const ct_friction_memory *s, const ct_surface_motion *at)
-{
-  static const ct_slip_record none = {.other = 0.0};
-  for (int64_t j = 0, n = 0; s->listed_count < s->data->points && j < s->data->points; j++)
-    if (n < s->listed_count && s->listed[n].j == j) n++;
-    else memcpy(&at->next_memory[CT_FRICTION_RECORD * j], &none, sizeof none);
-}
-
 /* The rows of the explicit penalty are listed here, because its contact lists none. */
 static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint **rows)
 {
@@ -93,7 +97,7 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
     s->slips.coming[c] = on->coming[c];
   }
   ct_clear(s->slips.sums, CT_SLIP_SUMS * (size_t)s->slips.node_count);
-  list_points(s, &now);
+  if (list_points(s, &now)) clear_memory(s, &now);
   treat(s, &now, 0);
   return count;
 }
@@ -133,7 +137,6 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   const ct_friction *data = s->data;
   const ct_friction_call now = begin(s, at);
   treat(s, &now, 1);
-  clear_memory(s, at);
   ct_pieces_sum(s->pieces, s->slips.sums, CT_SLIP_SUMS * (int64_t)s->slips.node_count);
   add_sums(s->slips.node_count, s->slips.sums, force);
   // What acts against them on a carrier follows from the forces on the surface, as in a contact.

@@ -62,7 +62,7 @@ static ct_status touch_constrain(const ct_effect *effect, const ct_view *view, c
 {
   const ct_interaction *is = interaction_of(effect);
   void *state = ct_touch_state(view->scratch);
-  gather(effect, view);
+  if (is->on == NULL) gather(effect, view);
   const ct_surface_motion now = motion_of(view);
   if (is->on != NULL && now.on == NULL)
     return CT_REFUSE(
