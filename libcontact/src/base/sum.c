@@ -25,18 +25,27 @@ double ct_largest(const double *values, int64_t count)
 CT_INLINE void extent(int64_t count, const double *rows, const double *from, double low[3],
                       double high[3])
 {
-  double lx = INFINITY, ly = lx, lz = lx, hx = -lx, hy = hx, hz = hx;
-#ifndef __clang__ // as in ct_largest
-#pragma omp simd reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
-#endif
-  for (int64_t d = 0; d < 3 * count; d += 3) {
-    double x = rows[d], y = rows[d + 1], z = rows[d + 2];
-    if (from != NULL) x -= from[d], y -= from[d + 1], z -= from[d + 2];
-    lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
-    hx = x > hx ? x : hx, hy = y > hy ? y : hy, hz = z > hz ? z : hz;
+  enum { SOME = 12 }; // four rows side by side
+  double least[SOME], most[SOME];
+  for (int i = 0; i < SOME; i++) least[i] = INFINITY, most[i] = -INFINITY;
+  int64_t d = 0;
+  for (; d + SOME <= 3 * count; d += SOME)
+#pragma omp simd
+    for (int i = 0; i < SOME; i++) {
+      const double x = from == NULL ? rows[d + i] : rows[d + i] - from[d + i];
+      least[i] = x < least[i] ? x : least[i];
+      most[i] = x > most[i] ? x : most[i];
+    }
+  for (int i = 0; d < 3 * count; d++, i++) {
+    const double x = from == NULL ? rows[d] : rows[d] - from[d];
+    least[i] = x < least[i] ? x : least[i];
+    most[i] = x > most[i] ? x : most[i];
   }
-  low[0] = lx, low[1] = ly, low[2] = lz;
-  high[0] = hx, high[1] = hy, high[2] = hz;
+  for (int c = 0; c < 3; c++) low[c] = least[c], high[c] = most[c];
+  for (int i = 3; i < SOME; i++) {
+    low[i % 3] = least[i] < low[i % 3] ? least[i] : low[i % 3];
+    high[i % 3] = most[i] > high[i % 3] ? most[i] : high[i % 3];
+  }
 }
 
 CT_CLONES

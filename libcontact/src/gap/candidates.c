@@ -7,16 +7,26 @@
 #include <math.h>
 #include <string.h>
 
-/* Bound of the motion of two surfaces relative to each other since the last build of the lists. A
- * motion that both share, about the middle of the motions of one of them, brings no faces together
- * (eq:skin). */
-static double relative_motion(const ct_side *a, const ct_side *b)
+/* The box of the motions of the nodes of a side since the last build of the lists. */
+static ct_bounds motions_of(const ct_side *side)
 {
-  double low[3], high[3], shared[3];
-  ct_extent(a->search->node_count, a->search->x, a->x_built, low, high);
-  for (int c = 0; c < 3; c++) shared[c] = 0.5 * (low[c] + high[c]);
-  return ct_farthest(a->search->node_count, a->search->x, a->x_built, shared) +
-         ct_farthest(b->search->node_count, b->search->x, b->x_built, shared);
+  ct_bounds box;
+  ct_extent(side->search->node_count, side->search->x, side->x_built, box.low, box.high);
+  return box;
+}
+
+/* Bound of the motion of two surfaces relative to each other since the last build of the lists; a
+ * closer one if it exceeds `most`. A motion that both share, about the middle of the motions of one
+ * of them, brings no faces together (eq:skin). */
+static double relative_motion(const ct_side *a, const ct_side *b, double most)
+{
+  const ct_bounds own = motions_of(a), other = a == b ? own : motions_of(b);
+  const double bound = ct_bounds_farthest(&own, &other);
+  double shared[3];
+  if (bound <= most) return bound;
+  for (int c = 0; c < 3; c++) shared[c] = 0.5 * (own.low[c] + own.high[c]);
+  return fmin(bound, ct_farthest(a->search->node_count, a->search->x, a->x_built, shared) +
+                         ct_farthest(b->search->node_count, b->search->x, b->x_built, shared));
 }
 
 /* Remove from a list of faces those that share a node with `face`, including itself; returns the
@@ -156,7 +166,8 @@ int ct_gaps_are_separated(const ct_gaps *gaps)
   double part =
       a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
   // (eq:contact-clear)
-  return relative_motion(a, b) <= part * gaps->clear && !holds(a) && !holds(b);
+  const double most = part * gaps->clear;
+  return relative_motion(a, b, most) <= most && !holds(a) && !holds(b);
 }
 
 /* Whether the lists reach as deep as each point in contact can have come since the last update, one
@@ -198,10 +209,11 @@ ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error)
 {
   ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   // -- The lists still hold all that can come near (eq:skin)
-  const double reach = ct_gaps_reach(gaps), near = gaps->fixed->near;
-  gaps->since = gaps->built ? relative_motion(a, b) : 0.0;
-  if (gaps->built && reach <= gaps->reach && gaps->since <= 0.25 * gaps->fixed->skin &&
-      reaches_deepest(a, near) && reaches_deepest(b, near))
+  const double reach = ct_gaps_reach(gaps), near = gaps->fixed->near,
+               most = 0.25 * gaps->fixed->skin;
+  gaps->since = gaps->built ? relative_motion(a, b, most) : 0.0;
+  if (gaps->built && reach <= gaps->reach && gaps->since <= most && reaches_deepest(a, near) &&
+      reaches_deepest(b, near))
     return CT_OK;
   gaps->since = 0.0;
   for (int s = 0; s < gaps->fixed->sides; s++) {

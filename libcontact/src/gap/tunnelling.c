@@ -120,14 +120,7 @@ void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const doub
   }
 }
 
-/* Largest and smallest distance of the points of one box from those of the other. */
-static double farthest(const ct_bounds *a, const ct_bounds *b)
-{
-  double d[3];
-  for (int c = 0; c < 3; c++) d[c] = fmax(a->high[c] - b->low[c], b->high[c] - a->low[c]);
-  return sqrt(ct_vector_dot(d, d));
-}
-
+/* Smallest distance of the points of one box from those of the other. */
 static double closest(const ct_bounds *a, const ct_bounds *b)
 {
   double d[3];
@@ -186,7 +179,7 @@ static void compare_faces(approach *p, int32_t f, int32_t g, const ct_bounds *ow
 {
   ct_bounds other = speed_of(p, 1, g);
   int32_t node = -1;
-  if (!(p->dt * farthest(own, &other) > p->length) ||
+  if (!(p->dt * ct_bounds_farthest(own, &other) > p->length) ||
       (p->self && ct_search_adjacent(p->search[0], f, g)))
     return;
   double length = motion_of(p, f, g, &node);
@@ -208,7 +201,7 @@ static void compare_surfaces(approach *p)
   int32_t list[CAPACITY];
   for (int32_t f = 0; f < p->search[0]->face_count; f++) {
     ct_bounds own = speed_of(p, 0, f);
-    double most = p->dt * farthest(&own, &p->speed);
+    double most = p->dt * ct_bounds_farthest(&own, &p->speed);
     if (!(most > p->length)) continue;
     ct_bounds reach = ct_bounds_grown(&p->search[0]->boxes[f], (most + p->deepest) * (1.0 + 1e-12));
     int32_t found = ct_box_tree_overlaps(p->search[1]->tree, p->search[1]->boxes, &reach, list,
@@ -241,7 +234,7 @@ ct_status ct_tunnelling_check(ct_gaps *gaps, const double *velocity, double dt, 
     ct_tunnelling_box(search[s], fixed->place[s == 0 ? 0 : last], velocity, &speed[s]);
   // -- The largest approach in the step, and how much of it is safe: first of the whole surfaces
   // (eq:tunnelling)
-  double most = dt * farthest(&speed[0], &speed[1]);
+  double most = dt * ct_bounds_farthest(&speed[0], &speed[1]);
   if (!(most > fixed->approach)) return CT_OK;
   for (int s = 0; s < 2; s++) ct_tunnelling_box(search[s], NULL, search[s]->x, &place[s]);
   double deep = deepest(gaps);

@@ -35,6 +35,14 @@ static inline double ct_bounds_distance(const ct_bounds *box, const double point
   return sqrt(ct_bounds_square(box, point));
 }
 
+/* Largest distance of a point of one box from one of the other. */
+static inline double ct_bounds_farthest(const ct_bounds *a, const ct_bounds *b)
+{
+  double d[3];
+  for (int c = 0; c < 3; c++) d[c] = fmax(a->high[c] - b->low[c], b->high[c] - a->low[c]);
+  return sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+}
+
 /* The box of all points within `reach` of a box along each axis. */
 static inline ct_bounds ct_bounds_grown(const ct_bounds *box, double reach)
 {
