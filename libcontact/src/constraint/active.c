@@ -375,11 +375,18 @@ static void invert(int64_t count, const double *C, double *restrict scale)
   for (int64_t r = 0; r < count; r++) scale[r] = 1.0 / (scale[r] + C[r]);
 }
 
-/* The rows of the problem, their laws, and the scale of each. */
-int ct_active_set_up(ct_solver *s, int all)
+void ct_active_read(ct_solver *s)
 {
   if (s->starts && !s->again) forget(s);
   ct_matrix_fill(s);
+  s->read = 1;
+}
+
+/* The rows of the problem, their laws, and the scale of each. */
+int ct_active_set_up(ct_solver *s, int all)
+{
+  if (!s->read) ct_active_read(s);
+  s->read = 0;
   ct_active_choose(s, all);
   ct_matrix_choose(s);
   if (!fix_laws(s) || !add_releases(s)) return 0;

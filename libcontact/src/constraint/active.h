@@ -7,8 +7,11 @@
  * (eq:near-constraints), or all. */
 void ct_active_choose(ct_solver *solver, int all);
 
-/* Fill G, choose these rows, and find their laws and the scale of each. Returns 0 if they are not
- * finite. */
+/* Fill G for the next solution: then the nodes with rows are known. */
+void ct_active_read(ct_solver *solver);
+
+/* Fill G unless that was done, choose these rows, and find their laws and the scale of each.
+ * Returns 0 if they are not finite. */
 int ct_active_set_up(ct_solver *solver, int all);
 
 /* Whether the forces throw inside a row that takes no part: then all must (eq:thrown-constraints).

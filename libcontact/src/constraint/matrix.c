@@ -255,13 +255,27 @@ static double largest_weight(const ct_solver *s)
   return weight;
 }
 
-/* Count the rows at each node. */
+/* List the nodes with rows; the largest number of rows of all pieces is found later. */
+static void list_active_nodes(ct_solver *s)
+{
+  int32_t count = 0, most = 0;
+  for (int32_t n = 0; n < s->node_count; n++) {
+    const int32_t rows = s->row_counts[n];
+    if (rows > 0) s->active_nodes[count++] = WIDE * n;
+    most = rows > most ? rows : most;
+  }
+  s->active_node_count = count;
+  if (s->pieces == NULL) s->most_row_count = most;
+}
+
+/* Count the rows at each node, and list the nodes with rows. */
 static void count_rows(ct_solver *s)
 {
   memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
   for (const ct_group *g = s->groups; g < s->groups + s->group_count; g++)
     for (int32_t a = 0; a < g->own + g->other; a++)
       s->row_counts[s->entry_place[g->place + a] / WIDE] += g->rows;
+  list_active_nodes(s);
   s->counted = 1;
 }
 
@@ -416,19 +430,6 @@ int ct_matrix_push_all(ct_solver *s, const double *force)
   return 1;
 }
 
-/* List the nodes with rows. */
-static void list_active_nodes(ct_solver *s)
-{
-  int32_t count = 0, most = s->pieces != NULL ? s->most_row_count : 0;
-  for (int32_t n = 0; n < s->node_count; n++) {
-    const int32_t rows = s->row_counts[n];
-    if (rows > 0) s->active_nodes[count++] = WIDE * n;
-    most = rows > most ? rows : most;
-  }
-  s->active_node_count = count;
-  s->most_row_count = most;
-}
-
 /* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. A
  * piece that has a node of a rigid body with rows has all of them, whose forces move all of the
  * body. */
@@ -534,16 +535,14 @@ int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 
 void ct_matrix_choose(ct_solver *s)
 {
-  if (s->counted == 2) return;
   if (!s->counted) count_rows(s), s->kept = 0;
-  s->counted = s->pieces == NULL ? 2 : s->bodies == NULL;
-  if (s->pieces != NULL) {
-    const size_t size = (size_t)s->node_count * sizeof *s->row_counts;
-    double some = s->bodies != NULL || memcmp(s->row_counts, s->told_counts, size) != 0;
-    ct_pieces_largest(s->pieces, &some, 1);
-    if (some == 0.0) return;
-    memcpy(s->told_counts, s->row_counts, size);
-    list_shared_nodes(s); // of rigid bodies the counts become those of all pieces
-  }
-  list_active_nodes(s);
+  if (s->pieces == NULL) return;
+  const size_t size = (size_t)s->node_count * sizeof *s->row_counts;
+  double some = s->bodies != NULL || memcmp(s->row_counts, s->told_counts, size) != 0;
+  s->counted = s->bodies == NULL;
+  ct_pieces_largest(s->pieces, &some, 1);
+  if (some == 0.0) return;
+  memcpy(s->told_counts, s->row_counts, size);
+  list_shared_nodes(s);
+  if (s->bodies != NULL) list_active_nodes(s); // the counts became those of all pieces
 }

@@ -6,8 +6,8 @@
 /* The matrix G of the listed rows, whose entries are b_a n (eq:constraint-force), and its products
  * with vectors. */
 
-/* The groups of all listed rows, their numbers, and the places of their nodes. The rows of a few
- * faces at a time are read once, for their laws, too. */
+/* The groups of all listed rows, their numbers, and the places of their nodes, which become the
+ * active ones. The rows of a few faces at a time are read once, for their laws, too. */
 void ct_matrix_fill(ct_solver *solver);
 
 /* Whether G may be that of the next step, too: over other faces the weights of a row change. */

@@ -1,4 +1,5 @@
 #include "problem.h"
+#include "active.h"
 
 #include "../base/error.h"
 #include "../base/lanes.h"
@@ -36,14 +37,18 @@ CT_INLINE void predict_node(const ct_solver *s, const ct_prediction *p, double l
   mobility[3] = along;
 }
 
-/* Motion of all nodes. Behind the one with the largest number there may be no other. */
+/* Motion of the nodes with rows, and of all where a rigid body moves some. Behind the one with the
+ * largest number there may be no other. */
 CT_INLINE void predict_nodes(const ct_solver *s, const ct_prediction *p, double last)
 {
-  for (int64_t i = 0; i < s->node_count; i++) {
-    const int64_t place = CT_SOLVER_WIDE * i, dof = 3 * (int64_t)s->nodes[i];
-    if (s->nodes[i] < s->largest_node) predict_node(s, p, last, 4, place, dof);
-    else predict_node(s, p, last, 3, place, dof);
-  }
+  const int some = s->bodies == NULL;
+  const int32_t *place = some ? s->active_nodes : s->all_nodes,
+                *end = place + (some ? s->active_node_count : s->node_count),
+                other = CT_SOLVER_WIDE * s->last_node;
+  for (; place < end; place++)
+    if (*place != other)
+      predict_node(s, p, last, 4, *place, 3 * (int64_t)s->nodes[(uint32_t)*place / CT_SOLVER_WIDE]);
+  if (s->node_count > 0) predict_node(s, p, last, 3, other, 3 * (int64_t)s->nodes[s->last_node]);
 }
 
 /* The same, with a loop for each kind of prediction. */
@@ -63,6 +68,7 @@ void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
   solver->dt = p->tau;
   solver->starts = !(p->before > 0.0);
   solver->again = p->again;
+  ct_active_read(solver);
   predict(solver, p, solver->starts ? p->tau : p->before);
 }
 

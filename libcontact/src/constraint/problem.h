@@ -35,8 +35,9 @@ static inline double ct_prediction_increment(const ct_prediction *p, int64_t dof
   return p->tau * velocity;
 }
 
-/* Displacement increment of each of the solver's nodes, further increment of each component per
- * unit force, and its increment in the last step (eq:constraint-problem). */
+/* Displacement increment of each of the solver's nodes with rows, which must be listed, further
+ * increment of each component per unit force, and its increment in the last step
+ * (eq:constraint-problem). */
 void ct_rows_predict(ct_solver *solver, const ct_prediction *p);
 
 /* Solve for the forces of the listed rows. ``CT_ERROR_BLOWUP``: they are not finite. */

@@ -36,7 +36,7 @@ static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_n
       if (place[node] < 0) {
         place[node] = s->node_count;
         s->nodes[s->node_count++] = node;
-        if (node > s->largest_node) s->largest_node = node;
+        if (node > s->nodes[s->last_node]) s->last_node = place[node];
       }
       s->place[next] = place[node];
     }

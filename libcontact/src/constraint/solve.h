@@ -70,24 +70,24 @@ typedef struct ct_solver {
   ct_constraint **rows; /* listed rows, set after set */
   int64_t *first;       /* of each set in `rows`, shape (set_count + 1) */
   int32_t node_count;
-  int32_t *nodes;       /* their numbers in the problem */
-  int32_t largest_node; /* the largest of them */
-  int32_t *first_node;  /* of each set in `place`, shape (set_count + 1) */
-  int32_t *place;       /* of the nodes of each set, set after set, among the solver's */
-  double *increment;    /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
+  int32_t *nodes;      /* their numbers in the problem */
+  int32_t last_node;   /* the place of the largest of them */
+  int32_t *first_node; /* of each set in `place`, shape (set_count + 1) */
+  int32_t *place;      /* of the nodes of each set, set after set, among the solver's */
+  double *increment;   /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
   double
       *mobility;   /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
   double fraction; /* of the mobility in a step that does not begin at t = 0 */
   double dt;       /* of the next step */
   int starts;      /* whether there was no step before */
   int again;       /* whether the first step was already solved with v_0 */
+  int read;        /* whether the listed rows were read for the solution that follows */
   double *last_increment; /* u_n - u_{n-1}, likewise; at t = 0, Δt v_0 */
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
   int32_t *told_counts;   /* the same when pieces have told each other last */
-  int counted;            /* 1 if they are those of the groups; 2 if, besides, the active nodes are
-                             listed */
+  int counted;            /* whether they, and the active nodes, are those of the groups */
   int foreign;            /* whether there is a set with foreign rows */
   int kept;               /* 1 if no listed row was dropped and none added; 2 if, besides, G, its
                              groups and nodes are those of the last step */
