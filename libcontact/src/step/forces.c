@@ -104,7 +104,7 @@ static void clear_shared(const ct_workspace *w, const uint64_t *summed)
 static void find_sleep(const ct_problem *problem, ct_state *state)
 {
   ct_workspace *w = state->workspace;
-  if (w->piece != NULL) clear_shared(w, w->piece->touched);
+  if (w->piece != NULL) clear_shared(w, w->piece->held);
   if (w->sleep == NULL) return;
   if (w->followed) {
     ct_sleep_wake(w->sleep, state->displacement);

@@ -4,6 +4,7 @@
 #include "../base/bits.h"
 #include "../base/error.h"
 #include "../base/lanes.h"
+#include "../base/list.h"
 #include "effect_internal.h"
 #include "workspace.h"
 
@@ -376,32 +377,32 @@ ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct
   return status;
 }
 
-/* Copy the rows of `values` of some nodes to a list, or back. Nodes with consecutive numbers are
- * copied together. */
+/* Copy the rows of `values` of the nodes for all peers to a list, or back; a peer has so many
+ * numbers. Nodes with consecutive numbers are copied together. */
 CT_CLONES_NODES
-static void pass_rows(int64_t count, const int32_t *nodes, int back, double *restrict values,
-                      double *restrict list)
+static void pass_rows(int32_t peers, const int32_t *counts, const int32_t *nodes, int back,
+                      double *restrict values, double *restrict list)
 {
-  for (int64_t i = 0, end; i < count; i = end) {
-    double *restrict row = &values[3 * (int64_t)nodes[i]];
-    for (end = i + 1; end < count && nodes[end] == nodes[end - 1] + 1;) end++;
-    const int64_t numbers = 3 * (end - i);
+  for (int32_t p = 0; p < peers; p++)
+    for (int32_t left = counts[p] / 3, row; left > 0; left -= row, nodes += row) {
+      double *restrict at = &values[3 * (int64_t)nodes[0]];
+      row = ct_row_length(nodes, left);
 #pragma omp simd
-    for (int64_t d = 0; d < numbers; d++)
-      if (back) row[d] = list[d];
-      else list[d] = row[d];
-    list += numbers;
-  }
+      for (int64_t d = 0; d < 3 * (int64_t)row; d++)
+        if (back) at[d] = list[d];
+        else list[d] = at[d];
+      list += 3 * (int64_t)row;
+    }
 }
 
 ct_status ct_piece_share(ct_piece *piece, double *values, ct_error *error)
 {
-  pass_rows(piece->counts.sent, piece->sent, 0, values, piece->send);
+  pass_rows(piece->def.count, piece->send_count, piece->sent, 0, values, piece->send);
   piece->counts.exchanges++;
   if (piece->def.exchange(piece->def.join.data, piece->send, piece->send_count, piece->receive,
                           piece->receive_count) != 0)
     return no_exchange(error);
-  pass_rows(piece->counts.received, piece->received, 1, values, piece->receive);
+  pass_rows(piece->def.count, piece->receive_count, piece->received, 1, values, piece->receive);
   return CT_OK;
 }
 

@@ -95,17 +95,18 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
 }
 
 /* Move the active nodes of a piece (null: all of them are), of which some are shared. Shared nodes
- * are always active. */
+ * are always active. `counts`: whether the work on these is needed. */
 static void advance_some(const ct_problem *problem, ct_state *state, const ct_stage *stage,
-                         double share, ct_moved piece, const uint64_t *active, double *sum)
+                         double share, ct_moved piece, const uint64_t *active, int counts,
+                         double *sum)
 {
   double unused[3 * CT_MOVED], work[3 * CT_MOVED];
-  ct_ledger_keep(state, piece, sum, work);
+  if (counts) ct_ledger_keep(state, piece, sum, work);
   for (int32_t n = piece.first, end; n < piece.last; n = end) {
     end = ct_bits_run(active, &n, piece.last);
     if (n < end) advance_nodes(problem, state, stage, share, n, end, NULL, unused);
   }
-  ct_ledger_correct(state, share, piece, work, sum);
+  if (counts) ct_ledger_correct(state, share, piece, work, sum);
 }
 
 /* Move all nodes by a stage: individually if they are active (null: all of them are), as a whole if
@@ -124,11 +125,15 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
     ct_moved piece = ct_moved_piece(problem, w, p);
     if (w->piece != NULL && ct_bits_next(active, piece.first, piece.last, 1) == piece.last)
       continue;
-    if (piece.shared_last - piece.shared_first == piece.last - piece.first)
+    // Of all processes the one that has a node counts the work on it.
+    const int counts = w->piece == NULL ||
+                       ct_bits_next(w->piece->touched, piece.first, piece.last, 1) < piece.last;
+    if (counts && piece.shared_last - piece.shared_first == piece.last - piece.first)
       advance_nodes(problem, state, &stage, share, piece.first, piece.last,
                     &w->shared_first[3 * (int64_t)piece.shared_first], sum);
-    else advance_some(problem, state, &stage, share, piece, active, sum);
-    if (piece.shared_first < piece.shared_last) ct_ledger_count(problem, state, share, p, sum);
+    else advance_some(problem, state, &stage, share, piece, active, counts, sum);
+    if (counts && piece.shared_first < piece.shared_last)
+      ct_ledger_count(problem, state, share, p, sum);
   }
   if (w->sleep != NULL && active != NULL) ct_sleep_drift(w->sleep, stage.tau);
   state->time += stage.tau;
