@@ -152,12 +152,10 @@ static void node_share(const ct_part_call *call, int share, int shares)
 {
   int32_t nodes = call->part->mesh->node_count, last = ct_share(nodes, share + 1, shares);
   for (int32_t n = ct_share(nodes, share, shares), end; n < last; n = end) {
-    if (call->part->kernel == CT_KERNEL_RIGID) {
-      ct_clear(&call->f[3 * (int64_t)n], 3 * (size_t)(last - n));
-      return;
-    }
     end = ct_call_nodes(call, &n, last);
-    ct_assembly_gather(call->part->assembly, call->values, n, end, call->f);
+    if (call->part->kernel == CT_KERNEL_RIGID)
+      ct_clear(&call->f[3 * (int64_t)n], 3 * (size_t)(end - n));
+    else ct_assembly_gather(call->part->assembly, call->values, n, end, call->f);
   }
 }
 
