@@ -114,27 +114,34 @@ static void directions(void)
   tap_ok(far == 0, "places on the far side");
 }
 
-/* Eight points of one face and many boxes, those within the skin listed first: the rivals are those
- * of a loop over all boxes (eq:warm-lanes, eq:skin); also where the distance of all boxes from the
- * points is known from before a motion of 0.1 (eq:rival-distance). */
+/* Eight points of one face and many squares, those within the skin listed first: the rivals are
+ * those of a loop over all squares (eq:warm-lanes, eq:skin); also where the distance of all from
+ * the points is known from before a motion of 0.1 (eq:rival-distance). */
 static void rivals(void)
 {
   enum { FACES = 30 };
   int wrong = 0, found = 0, skipped = 0, trials = 300;
   for (int trial = 0; trial < trials; trial++) {
     ct_bounds boxes[FACES], grown = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 0.3}};
-    int32_t list[FACES], ends[2] = {0, FACES}, near_end = 0;
+    int32_t list[FACES], ends[2] = {0, FACES}, near_end = 0, nodes[4 * FACES];
+    double x[12 * FACES];
     for (int f = 0; f < FACES; f++)
       for (int c = 0; c < 3; c++) {
         const double random = 0.5 + 0.5 * sin(1e4 * sin(90.0 * trial + 3.0 * f + c));
         boxes[f].low[c] = c < 2 ? 2.0 * random - 0.6 : 0.6 * random - 0.4;
         if (c == 2 && trial % 4 == 3) boxes[f].low[c] -= 0.8;
-        boxes[f].high[c] = boxes[f].low[c] + 0.3;
+        boxes[f].high[c] = boxes[f].low[c] + (c < 2 ? 0.3 : 0.0);
+        for (int a = 0; a < 4; a++) {
+          const int high = c == 0 ? a == 1 || a == 2 : a >= 2;
+          nodes[4 * f + a] = 4 * f + a;
+          x[3 * (4 * f + a) + c] = high ? boxes[f].high[c] : boxes[f].low[c];
+        }
       }
     for (int pass = 0; pass < 2; pass++)
       for (int f = 0, next = pass * near_end; f < FACES; f++)
         if (ct_bounds_apart(&boxes[f], &grown) == pass) list[next++] = f, near_end += !pass;
-    ct_search search = {.boxes = boxes};
+    ct_search search = {
+        .kind = CT_Q4, .per = 4, .edges = 4, .faces = nodes, .x = x, .boxes = boxes};
     int32_t met[CT_WARM];
     double distant[CT_WARM];
     ct_side side = {.candidate_first = ends,
@@ -173,7 +180,7 @@ static void rivals(void)
   }
   tap_ok(skipped > 5, "rivals that the distance excludes: %d times", skipped);
   tap_ok(wrong == 0 && found > 100 && found < 8 * trials - 100,
-         "rivals are those among all boxes: %d of %d, %d wrong", found, 8 * trials, wrong);
+         "rivals are those among all squares: %d of %d, %d wrong", found, 8 * trials, wrong);
 }
 
 /* Last gap of a point of a face with `per` nodes over one with `theirs` nodes, against the sums

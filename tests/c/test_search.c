@@ -233,6 +233,29 @@ static void face_boxes(int k)
          KIND[k].name);
 }
 
+/* No place of a bent face is nearer than a distance beyond which it is said to be, and of the faces
+ * that are farther by a tenth most are found to be (eq:hull-bound); `k` is a quadrilateral. */
+static void beyond(int k)
+{
+  int wrong = 0, found = 0, trials = 1000;
+  for (int trial = 0; trial < trials; trial++) {
+    ct_face face;
+    const double y[3] = {uniform(3.0), uniform(3.0), uniform(3.0)};
+    double nearest = HUGE_VAL;
+    random_face(&face, KIND[k].kind, 0.2);
+    for (int i = 0; i < 441; i++) {
+      double x[3], d[3];
+      ct_segment_point(&face, (double[2]){0.1 * (i % 21) - 1.0, 0.1 * (i / 21) - 1.0}, x);
+      for (int c = 0; c < 3; c++) d[c] = x[c] - y[c];
+      nearest = fmin(nearest, sqrt(ct_vector_dot(d, d)));
+    }
+    wrong += ct_face_is_beyond(&face, y, nearest);
+    found += ct_face_is_beyond(&face, y, 0.9 * nearest);
+  }
+  tap_ok(wrong == 0 && found > 0.8 * trials, "%s: %d of %d bent faces are beyond, %d are not",
+         KIND[k].name, found, trials, wrong);
+}
+
 /* Control points (eq:control-points). A parabola through (-1, 0), (0, 1), (1, 0) has its own at 2:
  * the box is known. */
 static void parabola(void)
@@ -868,6 +891,7 @@ int main(void)
   random_boxes(3000, 1, "boxes on a lattice, with ties and touching");
   special_boxes();
   for (int k = 0; k < 4; k++) face_boxes(k);
+  for (int k = 0; k < 2; k++) beyond(k);
   parabola();
   last_point();
   for (int k = 0; k < 4; k++) nearest_faces(k);

@@ -304,33 +304,23 @@ CT_INLINE double twice_outside(double low, double high, double x)
   return (under + fabs(under)) + (over + fabs(over));
 }
 
-/* Some consecutive lanes with one face and one target, and the largest distance to which one of
- * them searches. */
+/* Some consecutive lanes with one face, and the largest distance to which one of them searches;
+ * negative: none does. */
 typedef struct lane_group {
   int first, end;
   double most;
 } lane_group;
 
-/* The largest of some numbers. Inlined with a known `count`, as below. */
-CT_INLINE double largest_of(int count, const double *numbers)
-{
-  double top = numbers[0];
-  for (int i = 1; i < count; i++) top = numbers[i] > top ? numbers[i] : top;
-  return top;
-}
-
 /* The group that begins with a lane; four times the square of the distance to which each searches
- * is at most `most`. */
+ * is at most `most`, and negative for lanes that do not search. */
 CT_INLINE lane_group group_from(const block *b, int first, const double *most)
 {
-  const int four = first % 4 == 0 && b->four[first / 4];
-  lane_group g = {.first = first, .end = four ? first + 4 : first + 1};
-  while (!four && g.end < CT_WARM && b->face[g.end] == b->face[first] &&
-         b->target[g.end] == b->target[first])
-    g.end++;
-  const double reach = four ? largest_of(4, &most[first]) : largest_of(g.end - first, &most[first]);
+  lane_group g = {.first = first, .end = first, .most = -1.0};
+  double top = -1.0;
+  for (; g.end < CT_WARM && b->face[g.end] == b->face[first]; g.end++)
+    top = most[g.end] > top ? most[g.end] : top;
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
-  g.most = (0.5 + 1e-12) * sqrt(reach);
+  if (top >= 0.0) g.most = (0.5 + 1e-12) * sqrt(top);
   return g;
 }
 
@@ -349,30 +339,30 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
   return ct_bounds_grown(&box, g->most);
 }
 
-/* Whether no face but its target can be within the reach of a group: all of its lanes met it when
- * the faces were listed, and all others are still `beyond`. Lanes beyond `count` repeat others. */
-CT_INLINE int has_no_rival(const block *b, const lane_group *g, const int32_t *met,
-                           const double *beyond)
+/* Whether a face may be as near to the place of a lane as its closest point. */
+static int is_near(const ct_search *search, int32_t face, const double *at, double most)
 {
-  int alone = 1;
-  for (int l = g->first; l < g->end && l < b->count; l++)
-    alone &= (met[l] == b->target[l]) & (beyond[l] > 0.0);
-  return alone;
+  const double y[3] = {at[0], at[CT_WARM], at[2 * CT_WARM]};
+  ct_face nodes;
+  ct_search_face(search, face, &nodes);
+  return !ct_face_is_beyond(&nodes, y, 0.5 * sqrt(most));
 }
 
-/* Mark the lanes of a group that are as near to a box as to their closest point. */
-CT_INLINE void mark_rivals(const lane_group *g, const ct_bounds *box, const double *at,
-                           const double *most, int *rival)
+/* Mark the lanes of a group that may be as near to a face as to their closest point on another. */
+CT_INLINE void mark_rivals(const lane_group *g, const ct_search *search, int32_t face,
+                           const double *at, const double *most, block *b)
 {
+  const ct_bounds *box = &search->boxes[face];
   int near[CT_WARM];
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++) {
     double x = twice_outside(box->low[0], box->high[0], at[l]),
            y = twice_outside(box->low[1], box->high[1], at[8 + l]),
            z = twice_outside(box->low[2], box->high[2], at[16 + l]);
-    near[l] = (x * x + y * y) + z * z <= most[l];
+    near[l] = ((x * x + y * y) + z * z <= most[l]) & (face != b->target[l]) & !b->rival[l];
   }
-  for (int l = g->first; l < g->end; l++) rival[l] |= near[l];
+  for (int l = g->first; l < g->end; l++)
+    if (near[l]) b->rival[l] = is_near(search, face, &at[l], most[l]);
 }
 
 /* Find the points to which a face other than the last one may be nearer than the closest point.
@@ -398,20 +388,22 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
     others |= met[l] ^ b->target[l];
   }
   if (others == 0 && least > 0.0) return;
+  // Lanes beyond `count` repeat others.
+  for (int l = 0; l < CT_WARM; l++)
+    if (l >= b->count || ((met[l] == b->target[l]) & (beyond[l] > 0.0))) most[l] = -1.0;
   for (lane_group g = {0}; g.end < CT_WARM;) {
     g = group_from(b, g.end, most);
+    if (g.most < 0.0) continue;
     const int32_t face = b->face[g.first];
-    if (has_no_rival(b, &g, met, beyond)) continue;
     const ct_bounds reach = reach_box(&g, at);
     // A face within a quarter of the skin was within the skin when the lists were made (eq:skin).
     const int32_t end =
         g.most <= 0.25 * p->skin ? p->side->near_end[face] : p->side->candidate_first[face + 1];
     for (int32_t i = p->side->candidate_first[face]; i < end; i++) {
       const int32_t rival = p->side->candidates[i];
-      const ct_bounds *box = &p->other->search->boxes[rival];
       // Most candidates are beyond the reach of the whole group.
-      if (rival == b->target[g.first] || ct_bounds_apart(box, &reach)) continue;
-      mark_rivals(&g, box, at, most, b->rival);
+      if (!ct_bounds_apart(&p->other->search->boxes[rival], &reach))
+        mark_rivals(&g, p->other->search, rival, at, most, b);
     }
   }
 }

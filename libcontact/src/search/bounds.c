@@ -127,3 +127,56 @@ double ct_oriented_square(const ct_oriented *box, const double point[3])
   }
   return (1.0 - 1e-9) * sum;
 }
+
+/* From the origin to the nearest place of the parallelogram with the mean edges of a quadrilateral,
+ * if that is a rectangle; else to a place of it. `b`: its control points, corners first. */
+static void to_parallelogram(double b[3][9], double v[3])
+{
+  double t1[3], t2[3];
+  for (int c = 0; c < 3; c++) {
+    const double *x = b[c];
+    t1[c] = 0.25 * ((x[1] - x[0]) + (x[2] - x[3]));
+    t2[c] = 0.25 * ((x[3] - x[0]) + (x[2] - x[1]));
+    v[c] = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
+  }
+  const double g1 = ct_vector_dot(t1, v), g2 = ct_vector_dot(t2, v), H1 = ct_vector_dot(t1, t1),
+               H2 = ct_vector_dot(t2, t2), H12 = ct_vector_dot(t1, t2),
+               determinant = H1 * H2 - H12 * H12;
+  const double xi = fmax(-1.0, fmin((H12 * g2 - H2 * g1) / determinant, 1.0)),
+               eta = fmax(-1.0, fmin((H12 * g1 - H1 * g2) / determinant, 1.0));
+  for (int c = 0; c < 3; c++) v[c] += xi * t1[c] + eta * t2[c];
+}
+
+/* The first of some control points in a direction; returns how far along the direction it is. */
+static double first_along(int count, double b[3][9], const double v[3], int *first)
+{
+  double low = HUGE_VAL;
+  for (int i = 0; i < count; i++) {
+    const double along = (v[0] * b[0][i] + v[1] * b[1][i]) + v[2] * b[2][i];
+    if (along < low) low = along, *first = i;
+  }
+  return low;
+}
+
+int ct_face_is_beyond(const ct_face *face, const double point[3], double reach)
+{
+  enum { DIRECTIONS = 3 };
+  double b[3][9], v[3], far = 0.0;
+  int count = 0, first = 0;
+  for (int c = 0; c < 3; c++) {
+    count = control_points(face, c, b[c]);
+    for (int i = 0; i < count; i++) b[c][i] -= point[c], far = fmax(far, fabs(b[c][i]));
+  }
+  const double most = reach + 1e-12 * far; // with a margin for rounding
+  to_parallelogram(b, v);
+  for (int k = 0; k < DIRECTIONS; k++) {
+    const double square = ct_vector_dot(v, v), low = first_along(count, b, v, &first);
+    // -- All control points are beyond a plane (eq:hull-bound)
+    if (low > 0.0 && low * low > most * most * square) return 1;
+    // -- The nearest place between the last one and that control point (eq:hull-step)
+    const double d[3] = {b[0][first] - v[0], b[1][first] - v[1], b[2][first] - v[2]},
+                 part = fmin((square - low) / ct_vector_dot(d, d), 1.0);
+    for (int c = 0; c < 3; c++) v[c] += part * d[c];
+  }
+  return 0;
+}

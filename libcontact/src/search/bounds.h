@@ -74,4 +74,7 @@ void ct_oriented_init(ct_oriented *box, const ct_face *face);
 /* A lower bound of the squared distance of a point from the contents of the box; rounded down. */
 double ct_oriented_square(const ct_oriented *box, const double point[3]);
 
+/* Whether a quadrilateral is certainly farther from a point than `reach` (eq:hull-bound). */
+int ct_face_is_beyond(const ct_face *face, const double point[3], double reach);
+
 #endif
