@@ -52,6 +52,23 @@ static void together(void)
   tap_ok(wrong == 0, "eight points that are settled together, or not");
 }
 
+/* The gap vector of a touching point is rounding alone: its row has the normal of the face, and its
+ * motion is not the one along the gap vector (eq:admitted-store). */
+static void touching(void)
+{
+  ct_search search = {.size = 1.0};
+  ct_side side = {.search = &search};
+  const ct_pass p = {.side = &side};
+  ct_point point = {.other = 0};
+  block b = {.touches = 1};
+  b.gap[3] = 1e-17, b.d[3] = 1e-17, b.direction[3] = -1.0, b.normal[16 + 3] = 1.0;
+  b.along[3] = 0.7;
+  write_lanes(&p, &b, 4, 1, 3, &point);
+  tap_ok(point.row.normal[0] == 0.0 && point.row.normal[2] == 1.0 && isnan(point.along),
+         "a touching point has the normal of the face, and no motion along its gap vector (%g)",
+         point.along);
+}
+
 /* A point moves by (0.3, 0.1, 0), one node of the other face by (0, 0.5, 0.2), the others stand
  * still: m = S |(0.3, -0.4, -0.2)| and 1e-6 of the size (eq:gap-bound). */
 static void motion(int per)
@@ -292,6 +309,7 @@ int main(void)
   directions();
   settled();
   together();
+  touching();
   motion(4);
   motion(8);
   return tap_done();

@@ -480,6 +480,7 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
     if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
     for (int c = 0; c < 3; c++) point[i].outward[c] = b->normal[CT_WARM * c + l + i];
     ct_side_direct(p->side, &point[i]);
+    point[i].along = NAN; // of another direction
   }
 }
 
