@@ -22,12 +22,12 @@ static void settled(void)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       for (int k = 0; k < 4; k++) {
-        block b = {.xi = {[3] = place[i], [11] = place[j]}, .status = {[3] = CT_OK}};
-        b.distance[3] = b.gap[3] = k % 2 ? 0.501 : 0.499;
+        block b = {.xi = {[3] = place[i], [11] = place[j]}};
+        b.gap[3] = k % 2 ? 0.501 : 0.499;
         b.rival[3] = k / 2;
         settle(&p, &b);
         tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0), "closest point (%g, %g) at %g, %s",
-               place[i], place[j], b.distance[3], k / 2 ? "with a rival" : "alone");
+               place[i], place[j], b.gap[3], k / 2 ? "with a rival" : "alone");
       }
 }
 
@@ -53,7 +53,7 @@ static void together(void)
 }
 
 /* The gap vector of a touching point is rounding alone: its row has the normal of the face, and its
- * motion is not the one along the gap vector (eq:admitted-store). */
+ * motion is the one along that (eq:admitted-store). */
 static void touching(void)
 {
   ct_search search = {.size = 1.0};
@@ -62,11 +62,10 @@ static void touching(void)
   ct_point point = {.other = 0};
   block b = {.touches = 1};
   b.gap[3] = 1e-17, b.d[3] = 1e-17, b.direction[3] = -1.0, b.normal[16 + 3] = 1.0;
-  b.along[3] = 0.7;
+  b.along[3] = b.motion[3] = 0.7, b.motion[16 + 3] = 0.2;
   write_lanes(&p, &b, 4, 1, 3, &point);
-  tap_ok(point.row.normal[0] == 0.0 && point.row.normal[2] == 1.0 && isnan(point.along),
-         "a touching point has the normal of the face, and no motion along its gap vector (%g)",
-         point.along);
+  tap_ok(point.row.normal[0] == 0.0 && point.row.normal[2] == 1.0 && point.along == 0.2,
+         "a touching point has the normal of the face, and the motion along it (%g)", point.along);
 }
 
 /* A point moves by (0.3, 0.1, 0), one node of the other face by (0, 0.5, 0.2), the others stand
@@ -172,7 +171,7 @@ static void rivals(void)
     const double most = 0.8 * pow(0.5, trial % 6);
     int all = 0;
     for (int l = 0; l < CT_WARM; l++) {
-      b.distance[l] = most * (1 + l) / CT_WARM;
+      b.gap[l] = most * (1 + l) / CT_WARM;
       for (int c = 0; c < 3; c++)
         b.points[CT_WARM * c + l] = (c < 2 ? 0.5 : 0.05) * (1.0 + sin(7.0 * trial + 5.0 * l + c));
     }
@@ -190,7 +189,7 @@ static void rivals(void)
       int near = 0;
       for (int f = 1; f < FACES; f++)
         near |= ct_bounds_distance(&boxes[f], (double[3]){b.points[l], b.points[8 + l],
-                                                          b.points[16 + l]}) <= b.distance[l];
+                                                          b.points[16 + l]}) <= b.gap[l];
       wrong += (b.rival[l] != 0) != near;
       found += near;
     }
@@ -228,6 +227,51 @@ static void last_gap(int per, int theirs)
           (s ? -1.0 : 1.0) * N[s][a] * (0.6 * u[s][3 * nodes[a]] + 0.8 * u[s][3 * nodes[a] + 2]);
   tap_close(point.row.before, -0.1 + 0.3 - motion, 1e-14,
             "the last gap of a point of %d nodes over %d", per, theirs);
+}
+
+/* Motions of eight points of faces with `per` nodes, each over a face or all over one, with the
+ * bits of single points (eq:admitted-store). */
+static void motions(int per, int one)
+{
+  enum { NODES = 24, POINTS = 27 };
+  static ct_side_fixed fixed;
+  static ct_point point[POINTS];
+  const int count = per == 4 ? 4 : 9;
+  int32_t nodes[NODES];
+  double u[2][3 * NODES + 1], wrong = 0.0;
+  for (int i = 0; i < NODES; i++) nodes[i] = (7 * i + 5) % NODES;
+  for (int i = 0; i <= 3 * NODES; i++) u[0][i] = sin(1.0 + i * i), u[1][i] = cos(2.0 + i * i);
+  ct_search search = {.per = per, .edges = 4, .faces = nodes};
+  fixed.rule.count = count, fixed.point_count = 3 * count;
+  for (int i = 0; i < 8 * count; i++)
+    fixed.N[i / 8][i % 8] = fixed.across[i % 8][i / 8] = sin(3.0 * i);
+  static const ct_partner_calls surfaces = {.label = "contact"};
+  ct_contact_fixed both = {.partner = &surfaces, .gaps = {.sides = 2}};
+  ct_contact contact = {.fixed = &both, .gaps = {.fixed = &both.gaps}};
+  for (int s = 0; s < 2; s++)
+    contact.gaps.side[s] =
+        (ct_side){.fixed = &fixed, .search = &search, .points = point, .moved = u[s]};
+  const ct_pass p = {.side = &contact.gaps.side[0], .other = &contact.gaps.side[1]};
+  for (int first = 0; first + CT_WARM <= 3 * count; first++) {
+    block b = {.whole = {0}};
+    for (int l = 0; l < CT_WARM; l++) {
+      b.face[l] = (first + l) / count, b.q[l] = (first + l) % count;
+      b.target[l] = one ? 1 : (first + l) % 3;
+      for (int a = 0; a < per; a++) b.N[8 * a + l] = cos(first + 5.0 * a + l);
+      for (int c = 0; c < 3; c++) b.direction[8 * c + l] = sin(first + 2.0 * c + l);
+    }
+    for (int h = 0; h < 2; h++) b.whole[h] = b.face[4 * h] == b.face[4 * h + 3], b.one[h] = one;
+    find_motion(&p, per, &b);
+    for (int l = 0; l < CT_WARM; l++) {
+      ct_point *at = &point[first + l];
+      at->other = b.target[l], at->row.own_shape = fixed.N[b.q[l]];
+      for (int a = 0; a < per; a++) at->N[a] = b.N[8 * a + l];
+      for (int c = 0; c < 3; c++) at->row.normal[c] = b.direction[8 * c + l];
+      wrong += b.along[l] != motion_along(&contact, 0, at);
+    }
+  }
+  tap_ok(wrong == 0.0, "motions of eight points of %d nodes over %s", per,
+         one ? "one face" : "three faces");
 }
 
 /* Distance of the origin from a square whose middle is in a random direction. */
@@ -306,6 +350,7 @@ int main(void)
   rivals();
   alone();
   for (int i = 0; i < 16; i++) last_gap(PER[i / 4], PER[i % 4]);
+  for (int i = 0; i < 4; i++) motions(i < 2 ? 4 : 8, i % 2);
   directions();
   settled();
   together();

@@ -20,15 +20,15 @@ typedef struct block {
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
   double points[3 * CT_WARM], start[2 * CT_WARM], known[CT_WARM], unused[CT_WARM];
-  double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
-  int32_t status[CT_WARM];
+  double xi[2 * CT_WARM], normal[3 * CT_WARM];
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
-  double along[CT_WARM];
-  int four[2]; /* whether four lanes each are loaded together (are_four) */
+  double motion[3 * CT_WARM],
+      along[CT_WARM];   /* since the last update, relative to the closest point */
+  int whole[2], one[2]; /* whether four lanes are consecutive points of a face, and meet one */
   ct_point_status last[CT_WARM],
       next[CT_WARM];   /* its status, and if its last face is the nearest */
-  int rival[CT_WARM];  /* whether another face may be as near */
+  int rival[CT_WARM];  /* whether another face may be as near, or its own has no closest point */
   int inside[CT_WARM]; /* whether its last face is the nearest one */
   int enters[CT_WARM]; /* whether it comes into contact */
   int sure;            /* whether all lanes are inside, and none enters */
@@ -52,49 +52,6 @@ CT_INLINE void sum_lanes(int per, const double *N, const double *x, double *out)
   }
 }
 
-/* Whether four lanes from a multiple of four on have one face: then its numbers are loaded once. */
-CT_INLINE int are_one(const int32_t face[CT_WARM], int l)
-{
-  return l % 4 == 0 && face[l] == face[l + 1] && face[l] == face[l + 2] && face[l] == face[l + 3];
-}
-
-/* Write a number to the first `count` lanes from `row` on. */
-CT_INLINE void put(int count, double x, double *row)
-{
-  for (int l = 0; l < count; l++) row[l] = x;
-}
-
-/* Numbers of the nodes of a face, to the first `count` lanes from `nodes` on. */
-CT_INLINE void load_face(const ct_search *search, int per, int count, int32_t face, double *nodes)
-{
-  const int32_t *node = &search->faces[(int64_t)face * per];
-  for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++)
-      put(count, search->x[3 * (int64_t)node[a] + c], &nodes[CT_WARM * (3 * a + c)]);
-}
-
-/* Nodes of eight faces, relative to eight origins. */
-CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM],
-                          const double *origin, double *nodes)
-{
-  for (int l = 0, next; l < CT_WARM; l = next) {
-    next = are_one(face, l) ? l + 4 : l + 1;
-    if (next == l + 4) load_face(search, per, 4, face[l], &nodes[l]);
-    else load_face(search, per, 1, face[l], &nodes[l]);
-  }
-  for (int i = 0; i < 3 * per; i++)
-#pragma omp simd
-    for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
-}
-
-/* Whether four lanes from a multiple of four on, of those in `warm`, are the points of one face
- * with four nodes and a 2 x 2 rule, and have one target. */
-CT_INLINE int are_four(const ct_pass *p, const block *b, unsigned warm, int l)
-{
-  return p->side->fixed->rule.count == 4 && p->side->search->per == 4 && (warm >> l & 15) == 15 &&
-         are_one(b->target, l);
-}
-
 /* Middle of a box; a fourth number has no meaning. */
 CT_INLINE void middle_of(const ct_bounds *box, double middle[4])
 {
@@ -107,53 +64,103 @@ CT_INLINE void middle_of(const ct_bounds *box, double middle[4])
 #endif
 }
 
-/* The four nodes of a face relative to a place, each with a number behind it. */
-CT_INLINE void take_nodes(const ct_search *search, int32_t face, const double middle[4],
-                          double x[4][4])
+/* Σ_a N_a (x_a - origin) of four lanes on one face, in the order of ct_side_sum; null: of 0.
+ * Inlined with a known `per`, as below. */
+CT_INLINE void sum_one(int per, const int32_t *node, const double *x, const double *N, int stride,
+                       const double *origin, double *out)
 {
-  const int32_t *node = &search->faces[4 * (int64_t)face];
-  for (int a = 0; a < 4; a++)
-#pragma omp simd
-    for (int c = 0; c < 4; c++) x[a][c] = search->x[3 * (int64_t)node[a] + c] - middle[c];
+  const double *at[8] = {x};
+  for (int a = 0; a < per; a++) at[a] = &x[3 * (int64_t)node[a]];
+  for (int c = 0; c < 3; c++)
+    for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS) {
+      const ct_quad none = {0.0}, from = origin ? *(const ct_quad *)&origin[CT_WARM * c + k] : none;
+      ct_quad t[8];
+      for (int a = 0; a < per; a++) t[a] = *(const ct_quad *)&N[stride * a + k] * (at[a][c] - from);
+      ct_sum_face(per, t, (ct_quad *)&out[CT_WARM * c + k]);
+    }
 }
 
-/* Positions of such points and of their last face, relative to the middle of its box. */
-CT_INLINE void load_four(const ct_pass *p, int l, block *b)
+/* The same of four lanes, each on its face; N_a of lane k is N[k][stride a]. */
+CT_INLINE void sum_four(int per, const ct_search *search, const double *x, const int32_t *face,
+                        const double *const N[4], int stride, const double *origin, double *out)
 {
-  const double (*N)[32] = p->side->fixed->across;
-  double middle[4] = {0.0}, theirs[4][4], own[4][4];
-  middle_of(&p->other->search->boxes[b->target[l]], middle);
-  take_nodes(p->other->search, b->target[l], middle, theirs);
-  take_nodes(p->side->search, b->face[l], middle, own);
-  for (int c = 0; c < 3; c++) {
-    put(4, middle[c], &b->origin[CT_WARM * c + l]);
-    for (int a = 0; a < 4; a++) put(4, theirs[a][c], &b->nodes[CT_WARM * (3 * a + c) + l]);
-#pragma omp simd
-    for (int k = 0; k < 4; k++)
-      b->points[CT_WARM * c + l + k] =
-          (N[0][k] * own[0][c] + N[1][k] * own[1][c]) + (N[2][k] * own[2][c] + N[3][k] * own[3][c]);
+  double rows[4][4], unused[4];
+  for (int k = 0; k < 4; k++) {
+    double from[4] = {0.0};
+    for (int c = 0; origin && c < 3; c++) from[c] = origin[CT_WARM * c + k];
+    const int32_t *node = &search->faces[(int64_t)face[k] * per];
+    for (int c = 0; c < 4; c += 4 / CT_QUAD_PARTS) {
+      ct_quad t[8];
+      for (int a = 0; a < per; a++)
+        t[a] = N[k][stride * a] *
+               (*(const ct_quad *)&x[3 * (int64_t)node[a] + c] - *(const ct_quad *)&from[c]);
+      ct_sum_face(per, t, (ct_quad *)&rows[k][c]);
+    }
   }
+  ct_turn((const double *const[4]){rows[0], rows[1], rows[2], rows[3]},
+          (double *const[4]){out, out + CT_WARM, out + 2 * CT_WARM, unused});
+}
+
+/* The same for all lanes at the points of one side. */
+CT_INLINE void sum_own(const ct_pass *p, int per, const block *b, const double *x,
+                       const double *origin, double *out)
+{
+  const double *N = p->side->fixed->across[0];
+  for (int l = 0; l < CT_WARM; l += 4) {
+    const int32_t *q = &b->q[l], *node = &p->side->search->faces[(int64_t)b->face[l] * per];
+    const double *from = origin == NULL ? NULL : &origin[l];
+    if (b->whole[l / 4]) sum_one(per, node, x, &N[q[0]], 32, from, &out[l]);
+    else
+      sum_four(per, p->side->search, x, &b->face[l],
+               (const double *const[4]){&N[q[0]], &N[q[1]], &N[q[2]], &N[q[3]]}, 32, from, &out[l]);
+  }
+}
+
+/* The middle of the box of each of four lanes' faces, and the face's nodes relative to it. */
+CT_INLINE void load_four(const ct_search *search, int per, int l, block *b)
+{
+  double middle[4][4] = {{0.0}}, x[4][4], unused[4];
+  const int32_t *node[4];
+  for (int k = 0; k < 4; k++) {
+    node[k] = &search->faces[(int64_t)b->target[l + k] * per];
+    middle_of(&search->boxes[b->target[l + k]], middle[k]);
+    for (int c = 0; c < 3; c++) b->origin[CT_WARM * c + l + k] = middle[k][c];
+  }
+  for (int a = 0; a < per; a++) {
+    double *to = &b->nodes[3 * CT_WARM * a + l];
+    for (int k = 0; k < 4; k++)
+#pragma omp simd
+      for (int c = 0; c < 4; c++) x[k][c] = search->x[3 * (int64_t)node[k][a] + c] - middle[k][c];
+    ct_turn((const double *const[4]){x[0], x[1], x[2], x[3]},
+            (double *const[4]){to, to + CT_WARM, to + 2 * CT_WARM, unused});
+  }
+}
+
+/* The same if all have one face. */
+CT_INLINE void load_one(const ct_search *search, int per, int l, block *b)
+{
+  const int32_t *node = &search->faces[(int64_t)b->target[l] * per];
+  const double *at[8] = {NULL};
+  double middle[4] = {0.0};
+  middle_of(&search->boxes[b->target[l]], middle);
+  for (int a = 0; a < per; a++) at[a] = &search->x[3 * (int64_t)node[a]];
+  for (int c = 0; c < 3; c++)
+    for (int k = l; k < l + 4; k += 4 / CT_QUAD_PARTS) {
+      const ct_quad none = {0.0}, from = middle[c] - none;
+      *(ct_quad *)&b->origin[CT_WARM * c + k] = from;
+      for (int a = 0; a < per; a++)
+        *(ct_quad *)&b->nodes[CT_WARM * (3 * a + c) + k] = at[a][c] - from;
+    }
 }
 
 /* Positions of the points and of their last faces, both relative to the middle of the face's box.
  * Inlined with a known `per`. */
 CT_INLINE void load(const ct_pass *p, int per, block *b)
 {
-  double own[24 * CT_WARM], N[8 * CT_WARM];
-  for (int l = 0, next; l < CT_WARM; l = next) {
-    const ct_bounds *box = &p->other->search->boxes[b->target[l]];
-    next = are_one(b->target, l) ? l + 4 : l + 1;
-    for (int c = 0; c < 3; c++) {
-      const double middle = 0.5 * (box->low[c] + box->high[c]);
-      if (next == l + 4) put(4, middle, &b->origin[CT_WARM * c + l]);
-      else put(1, middle, &b->origin[CT_WARM * c + l]);
-    }
-  }
-  for (int l = 0; l < CT_WARM; l++)
-    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->fixed->N[b->q[l]][a];
-  load_faces(p->other->search, per, b->target, b->origin, b->nodes);
-  load_faces(p->side->search, per, b->face, b->origin, own);
-  sum_lanes(per, N, own, b->points);
+  for (int l = 0; l < CT_WARM; l += 4)
+    if (b->one[l / 4]) load_one(p->other->search, per, l, b);
+    else load_four(p->other->search, per, l, b);
+  sum_own(p, per, b, p->side->search->x, b->origin, b->points);
 }
 
 /* Four numbers of each of `count` points, one or four, from a member on, as lanes; and back. */
@@ -191,7 +198,7 @@ CT_INLINE unsigned repeat_points(int count, block *b)
 }
 
 /* Load the points into lanes. Returns one bit for each point with a face. */
-CT_INLINE unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
+CT_INLINE unsigned take_points(const ct_pass *p, int64_t first, int count, block *restrict b)
 {
   const int32_t points = p->side->fixed->rule.count, q = (int32_t)(first % points);
   const int32_t face = (int32_t)(first / points);
@@ -223,11 +230,12 @@ static unsigned load_block(const ct_pass *p, int64_t first, int count, block *b)
   const unsigned warm =
       count == CT_WARM ? take_points(p, first, CT_WARM, b) : take_points(p, first, count, b);
   if (warm == 0) return 0;
-  b->four[0] = are_four(p, b, warm, 0), b->four[1] = are_four(p, b, warm, 4);
-  if (b->four[0] && b->four[1]) {
-    load_four(p, 0, b);
-    load_four(p, 4, b);
-  } else if (p->side->search->per == 4) load(p, 4, b);
+  for (int h = 0; h < 2; h++) {
+    const int32_t *face = &b->face[4 * h], *to = &b->target[4 * h];
+    b->whole[h] = (face[0] == face[3]) & ((warm >> 4 * h & 15) == 15);
+    b->one[h] = (to[0] == to[1]) & (to[0] == to[2]) & (to[0] == to[3]);
+  }
+  if (p->side->search->per == 4) load(p, 4, b);
   else load(p, 8, b);
   return warm;
 }
@@ -253,47 +261,28 @@ CT_INLINE void gaps(int per, block *b)
   }
 }
 
-/* Σ_a N_a u_a of four lanes from one number u for each node. */
-CT_INLINE void sum_nodes(const double *N, int stride, const double *const u[4], int c, double *out)
+/* Motion of the points relative to their closest points along the direction of the gap. Inlined
+ * with a known `per`. */
+CT_INLINE void find_motion(const ct_pass *p, int per, block *b)
 {
-  for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
-    *(ct_quad *)&out[k] =
-        (*(const ct_quad *)&N[k] * u[0][c] + *(const ct_quad *)&N[stride + k] * u[1][c]) +
-        (*(const ct_quad *)&N[2 * stride + k] * u[2][c] +
-         *(const ct_quad *)&N[3 * stride + k] * u[3][c]);
-}
-
-/* Motion of the points of four lanes that are loaded together, relative to their closest points,
- * along the direction of the gap. */
-CT_INLINE void move_four(const ct_pass *p, int l, block *b)
-{
-  const int32_t *theirs = &p->other->search->faces[4 * (int64_t)b->target[l]],
-                *mine = &p->side->search->faces[4 * (int64_t)b->face[l]];
-  const double *const own[4] = {
-      &p->side->moved[3 * (int64_t)mine[0]], &p->side->moved[3 * (int64_t)mine[1]],
-      &p->side->moved[3 * (int64_t)mine[2]], &p->side->moved[3 * (int64_t)mine[3]]};
-  const double *const other[4] = {
-      &p->other->moved[3 * (int64_t)theirs[0]], &p->other->moved[3 * (int64_t)theirs[1]],
-      &p->other->moved[3 * (int64_t)theirs[2]], &p->other->moved[3 * (int64_t)theirs[3]]};
-  double u[3][4], v[3][4];
-  for (int c = 0; c < 3; c++) {
-    sum_nodes(p->side->fixed->across[0], 32, own, c, u[c]);
-    sum_nodes(&b->N[l], CT_WARM, other, c, v[c]);
+  double own[3 * CT_WARM], back[3 * CT_WARM];
+  sum_own(p, per, b, p->side->moved, NULL, own);
+  for (int l = 0; l < CT_WARM; l += 4) {
+    const double *N = &b->N[l];
+    const int32_t *node = &p->other->search->faces[(int64_t)b->target[l] * per];
+    if (b->one[l / 4]) sum_one(per, node, p->other->moved, N, CT_WARM, NULL, &back[l]);
+    else
+      sum_four(per, p->other->search, p->other->moved, &b->target[l],
+               (const double *const[4]){N, N + 1, N + 2, N + 3}, CT_WARM, NULL, &back[l]);
   }
-  const double *n = &b->direction[l];
 #pragma omp simd
-  for (int k = 0; k < 4; k++)
+  for (int l = 0; l < CT_WARM; l++) {
+    const double *n = &b->direction[l], *u = &own[l], *v = &back[l];
+    const double x = u[0] - v[0], y = u[8] - v[8], z = u[16] - v[16];
     // -- n·(Σ_a N_a u_a - Σ_b N̄_b u_b) (eq:admitted-store)
-    b->along[l + k] = (n[k] * (u[0][k] - v[0][k]) + n[8 + k] * (u[1][k] - v[1][k])) +
-                      n[16 + k] * (u[2][k] - v[2][k]);
-}
-
-/* The same for all lanes; NaN where they are not loaded together. */
-CT_INLINE void find_motion(const ct_pass *p, block *b)
-{
-  for (int h = 0; h < 2; h++)
-    if (b->four[h]) move_four(p, 4 * h, b);
-    else put(4, NAN, &b->along[4 * h]);
+    b->along[l] = (n[0] * x + n[8] * y) + n[16] * z;
+    b->motion[l] = x, b->motion[8 + l] = y, b->motion[16 + l] = z;
+  }
 }
 
 /* Twice the distance of a coordinate outside a box, without a branch: it cannot be on both sides.
@@ -365,32 +354,38 @@ CT_INLINE void mark_rivals(const lane_group *g, const ct_search *search, int32_t
     if (near[l]) b->rival[l] = is_near(search, face, &at[l], most[l]);
 }
 
+/* The distance to which a lane searches for other faces, with a margin for rounding. */
+CT_INLINE double lane_reach(const ct_pass *p, const block *b, int l)
+{
+  const double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l],
+               z = b->points[16 + l] + b->origin[16 + l], distance = fabs(b->gap[l]),
+               reach = distance < p->depth ? distance : p->depth;
+  return reach + 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
+}
+
 /* Find the points to which a face other than the last one may be nearer than the closest point.
  * With a margin for the rounding of positions, so some points are found unnecessarily. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   const int32_t *met = &p->side->met[b->number];
   const double *distant = &p->side->distant[b->number];
-  double at[3 * CT_WARM], most[CT_WARM], beyond[CT_WARM], least = HUGE_VAL;
+  double at[3 * CT_WARM], most[CT_WARM], least = HUGE_VAL;
   int32_t others = 0;
 #pragma omp simd reduction(min : least) reduction(| : others)
   for (int l = 0; l < CT_WARM; l++) {
-    double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l],
-           z = b->points[16 + l] + b->origin[16 + l];
-    double reach = b->distance[l] < p->depth ? b->distance[l] : p->depth;
-    reach += 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
-    most[l] = 4.0 * (reach * reach);
-    b->rival[l] = 0;
-    at[l] = x, at[8 + l] = y, at[16 + l] = z;
     // -- What is left of the distance of all other faces when they were listed (eq:rival-distance)
-    beyond[l] = distant[l] - ct_pass_reached(p, reach);
-    least = beyond[l] < least ? beyond[l] : least;
+    const double left = distant[l] - ct_pass_reached(p, lane_reach(p, b, l));
+    least = left < least ? left : least;
     others |= met[l] ^ b->target[l];
   }
   if (others == 0 && least > 0.0) return;
-  // Lanes beyond `count` repeat others.
-  for (int l = 0; l < CT_WARM; l++)
-    if (l >= b->count || ((met[l] == b->target[l]) & (beyond[l] > 0.0))) most[l] = -1.0;
+  for (int l = 0; l < CT_WARM; l++) {
+    const double reach = lane_reach(p, b, l);
+    const int alone = met[l] == b->target[l] && distant[l] - ct_pass_reached(p, reach) > 0.0;
+    // Lanes beyond `count` repeat others.
+    most[l] = alone || l >= b->count ? -1.0 : 4.0 * (reach * reach);
+    for (int c = 0; c < 24; c += 8) at[c + l] = b->points[c + l] + b->origin[c + l];
+  }
   for (lane_group g = {0}; g.end < CT_WARM;) {
     g = group_from(b, g.end, most);
     if (g.most < 0.0) continue;
@@ -412,17 +407,14 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
  * face as near; and whether they come into contact. */
 CT_INLINE void settle(const ct_pass *p, block *b)
 {
-  const double inside = 1.0 - p->project.tolerance, depth = p->depth,
+  const double inside = 1.0 - p->project.tolerance, depth = (1.0 - 1e-9) * p->depth,
                coincident = ct_side_coincident(p->side);
   int doubt = 0, touches = 0;
 #pragma omp simd reduction(| : doubt, touches)
   for (int l = 0; l < CT_WARM; l++) {
-    const int32_t status = b->status[l];
     // -- Inside its face, and no other face is as near (eq:warm-lanes)
-    const int in =
-        (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) & (b->distance[l] < depth) &
-        !b->rival[l] &
-        ((status == CT_OK) | (status == CT_NOT_CERTIFIED) | (status == CT_ITERATION_LIMIT));
+    const int in = (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) &
+                   (fabs(b->gap[l]) < depth) & !b->rival[l];
     const int32_t next = CT_POINT_OUTSIDE + (b->gap[l] < 0.0); // or inside, the next one
     const int enters = (next == CT_POINT_INSIDE) & (b->last[l] != CT_POINT_INSIDE);
     b->inside[l] = in, b->enters[l] = enters, b->next[l] = (ct_point_status)next;
@@ -430,16 +422,6 @@ CT_INLINE void settle(const ct_pass *p, block *b)
     touches |= !(fabs(b->gap[l]) > coincident);
   }
   b->sure = !doubt, b->touches = touches;
-}
-
-CT_CLONES
-static void measure_block(const ct_pass *p, block *b)
-{
-  if (p->side->search->per == 4) gaps(4, b);
-  else gaps(8, b);
-  find_rivals(p, b);
-  find_motion(p, b);
-  settle(p, b);
 }
 
 /* Whether the point of a lane comes in from a side that does not face its face: then the search
@@ -478,17 +460,18 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
   for (int i = 0; i < count; i++) point[i].jumped = 0, point[i].status = b->next[l + i];
   for (int i = 0; b->touches && i < count; i++) {
     if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
+    const double motion[3] = {b->motion[l + i], b->motion[8 + l + i], b->motion[16 + l + i]};
     for (int c = 0; c < 3; c++) point[i].outward[c] = b->normal[CT_WARM * c + l + i];
     ct_side_direct(p->side, &point[i]);
-    point[i].along = NAN; // of another direction
+    point[i].along = ct_vector_dot(point[i].row.normal, motion);
   }
 }
 
 /* Store the results of the lanes whose points are settled, of those in `warm`; returns their bits.
  * Inlined with a known `per`. */
-CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64_t first,
-                                unsigned warm)
+CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, unsigned warm)
 {
+  const int64_t first = b->number;
   ct_point *points = &p->side->points[first];
   unsigned settled = b->sure ? warm : 0;
   for (int l = 0; l < CT_WARM && !b->sure; l++)
@@ -502,26 +485,40 @@ CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64
   return settled;
 }
 
-CT_CLONES
-static unsigned write_block(const ct_pass *p, const block *b, int64_t first, unsigned warm)
+/* Complete the points of the lanes once their closest points are known. Inlined with a known `per`.
+ */
+CT_INLINE unsigned complete(const ct_pass *p, int per, block *b, unsigned warm)
 {
-  return p->other->search->per == 4 ? write_points(p, b, 4, first, warm)
-                                    : write_points(p, b, 8, first, warm);
+  gaps(per, b);
+  find_rivals(p, b);
+  find_motion(p, per, b);
+  settle(p, b);
+  return write_points(p, b, per, warm);
+}
+
+CT_CLONES
+static unsigned complete_block(const ct_pass *p, block *b, unsigned warm)
+{
+  return p->side->search->per == 4 ? complete(p, 4, b, warm) : complete(p, 8, b, warm);
 }
 
 /* Closest points of all lanes; returns 0 if there are none. Most are near their starts. */
 static int project_block(const ct_pass *p, block *b)
 {
   const ct_face_kind kind = p->other->search->kind;
-  const ct_batch_closest closest = {
-      .xi = b->xi, .distance = b->distance, .normal = b->normal, .status = b->status};
+  int32_t status[CT_WARM];
+  memset(b->rival, 0, sizeof b->rival);
   if (kind == CT_Q4 && p->project.iteration_limit == 0 &&
-      p->near(b->nodes, b->points, b->start, &p->project, &closest) == (1u << CT_WARM) - 1) {
-    for (int l = 0; l < CT_WARM; l++) b->status[l] = CT_OK;
+      p->near(b->nodes, b->points, b->start, &p->project, b->xi, b->normal) == (1u << CT_WARM) - 1)
     return 1;
-  }
-  return ct_project_batch(kind, CT_WARM, b->nodes, b->points, b->start, &p->project, &closest,
-                          NULL) == CT_OK;
+  const ct_batch_closest closest = {.xi = b->xi, .normal = b->normal, .status = status};
+  if (ct_project_batch(kind, CT_WARM, b->nodes, b->points, b->start, &p->project, &closest, NULL) !=
+      CT_OK)
+    return 0;
+  for (int l = 0; l < CT_WARM; l++)
+    b->rival[l] =
+        status[l] != CT_OK && status[l] != CT_NOT_CERTIFIED && status[l] != CT_ITERATION_LIMIT;
+  return 1;
 }
 
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
@@ -529,6 +526,5 @@ unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
   block b;
   const unsigned warm = load_block(p, first, count, &b);
   if (warm == 0 || !project_block(p, &b)) return 0;
-  measure_block(p, &b);
-  return write_block(p, &b, first, warm);
+  return complete_block(p, &b, warm);
 }

@@ -2,10 +2,9 @@
  * steps of `descend` where all of them are Newton's. The other lanes are left to the search. A
  * source that includes this header defines NEAR, the kernel's name. */
 
-/* Take Newton's steps from xi to a minimum of f in the lanes in which the face is mild and f falls
+/* Take Newton's steps with xi to a minimum of f in the lanes in which the face is mild and f falls
  * in each step, with the bits of `descend`; returns the lanes that arrive. */
-PART mask arrive(const patches *patch, const ct_project_options *options, const real xi[2],
-                 ends *out)
+PART mask arrive(const patches *patch, const ct_project_options *options, real xi[2])
 {
   enum { STEPS = 6 };
   const double tolerance = options->tolerance, small = 4 * DBL_EPSILON;
@@ -34,29 +33,25 @@ PART mask arrive(const patches *patch, const ct_project_options *options, const 
     before = pick(active, length, before);
     take(&at, &trial, sizeof at, active);
   }
-  for (int a = 0; a < 2; a++) out->xi[a] = at.xi[a];
-  out->f = value(patch, out->xi, out->d);
+  for (int a = 0; a < 2; a++) xi[a] = at.xi[a];
   return settled;
 }
 
 /* The results of the pairs from lane `first` on; returns one bit for each lane that has them. */
 PART unsigned near_pairs(const double *nodes, const double *points, const double *start,
-                         const ct_project_options *options, const ct_batch_closest *closest,
-                         int first)
+                         const ct_project_options *options, double *xi, double *normal, int first)
 {
-  real v[8][3], p[3], n[3], from[2];
+  real v[8][3], p[3], n[3], at[2];
   patches patch;
-  ends found;
   load_pairs(4, nodes, points, first, v, p);
   quadrilateral((const real(*)[3])v, p, patch.c);
   patch.kind = CT_Q4;
-  for (int a = 0; a < 2; a++) from[a] = load(start + 8 * a + first);
-  snap(0, from);
-  mask good = arrive(&patch, options, from, &found);
-  good &= normal_at(&patch, found.xi, n) & (found.f < HUGE_VAL);
-  store(closest->distance + first, root(found.f));
-  for (int a = 0; a < 2; a++) store(closest->xi + 8 * a + first, found.xi[a]);
-  for (int k = 0; k < 3; k++) store(closest->normal + 8 * k + first, n[k]);
+  for (int a = 0; a < 2; a++) at[a] = load(start + 8 * a + first);
+  snap(0, at);
+  mask good = arrive(&patch, options, at);
+  good &= normal_at(&patch, at, n);
+  for (int a = 0; a < 2; a++) store(xi + 8 * a + first, at[a]);
+  for (int k = 0; k < 3; k++) store(normal + 8 * k + first, n[k]);
   return (unsigned)any(good) << first;
 }
 
@@ -64,10 +59,10 @@ PART unsigned near_pairs(const double *nodes, const double *points, const double
 __attribute__((target(TARGET)))
 #endif
 unsigned NEAR(const double *nodes, const double *points, const double *start,
-              const ct_project_options *options, const ct_batch_closest *closest)
+              const ct_project_options *options, double *xi, double *normal)
 {
   unsigned bits = 0;
   for (int first = 0; first < 8; first += WIDTH)
-    bits |= near_pairs(nodes, points, start, options, closest, first);
+    bits |= near_pairs(nodes, points, start, options, xi, normal, first);
   return bits;
 }

@@ -160,10 +160,10 @@ typedef void ct_batch_kernel(ct_face_kind kind, const double *nodes, const doubl
 ct_batch_kernel ct_batch_kernel_1, ct_batch_kernel_4, ct_batch_kernel_8;
 
 /* Closest points of a block of eight pairs on quadrilaterals of four nodes, from starts near them
- * that are finite, as the robust search finds them: distance, xi and normal of the lanes whose bits
- * are returned; the others need the search. */
+ * that are finite, as the robust search finds them: xi and normal of the lanes whose bits are
+ * returned; the others need the search. */
 typedef unsigned ct_near_kernel(const double *nodes, const double *points, const double *start,
-                                const ct_project_options *options, const ct_batch_closest *closest);
+                                const ct_project_options *options, double *xi, double *normal);
 ct_near_kernel ct_near_kernel_1, ct_near_kernel_4, ct_near_kernel_8;
 
 /* The widest of these kernels for this machine. */
