@@ -21,7 +21,7 @@ ct_status ct_stations_init(ct_obstacle *obstacle, ct_error *error)
   ct_gaps_fixed *gaps = &obstacle->contact.gaps;
   const ct_side_fixed *surface = &gaps->side[0];
   const ct_search *search = surface->search;
-  double narrowest, area = 0.0, diagonal = 0.0;
+  double narrowest, diagonal = 0.0;
   gaps->approach = kind->is_round ? 0.75 * o->radius : INFINITY;
   // -- A large obstacle can't pass between the points of the faces (eq:station-needed)
   if (!kind->is_round || !(o->radius < 1.5 * sqrt(0.5) * search->size)) return CT_OK;
@@ -30,8 +30,8 @@ ct_status ct_stations_init(ct_obstacle *obstacle, ct_error *error)
   ct_bounds box;
   ct_tunnelling_box(search, NULL, search->x, &box);
   for (int c = 0; c < 3; c++) diagonal = hypot(diagonal, box.high[c] - box.low[c]);
-  for (int64_t i = 0; i < surface->point_count; i++) area += surface->weight[i];
-  obstacle->station_area = area / search->face_count;
+  // The same bits however the faces are numbered.
+  obstacle->station_area = ct_sum(surface->weight, surface->point_count) / search->face_count;
   gaps->side[1] = (ct_side_fixed){.kind = CT_SIDE_STATIONS, .point_count = 1};
   gaps->sides = 2;
   // -- Half a width apart, over one and a half times the size of the surface (eq:station-axis)
