@@ -30,8 +30,9 @@ class Gaps:
     """
     The distance of a point from a closed surface changes in a step by at most the motion of the point and of
     the surface, |x_new - x_old| + max sum|N| max |u_new - u_old| over the nodes of the other surface. This
-    bounds the change of a penetration. A point without a partner is outside. Larger changes of gaps that
-    stay open are counted but allowed: such a gap belongs to the nearest face that may come into contact.
+    bounds the change of a penetration, and that of the gap from which its force follows. A point without a
+    partner is outside. Larger changes of gaps that stay open are counted but allowed: such a gap belongs to
+    the nearest face that may come into contact.
     """
 
     bodies: tuple[str, str] = ("a", "b")
@@ -73,18 +74,22 @@ class Gaps:
             + reach[1 - points["side"]]
             + 1e-9 * np.ptp(nodes["a"], axis=0).max()
         )
-        # A point without a partner counts as at least on the surface.
-        now, then = (
-            np.where(np.isnan(gap) & (other < 0), 0.0, gap)
-            for gap, other in ((points["gap"], old["gap"]), (old["gap"], points["gap"]))
-        )
-        with np.errstate(invalid="ignore"):
-            change = np.abs(now - then)
-            beyond, closed = change > bound, np.minimum(now, then) < 0
-        self.open += int((beyond & ~closed).sum())
-        self.jumps += int((beyond & closed).sum())
-        self.flips += int((beyond & (now * then < 0)).sum())
-        self.farthest = max([self.farthest, *(change / bound)[beyond & closed]])
+        for start in (0.0, 1.0):  # the distance, and the gap from which the force follows
+            new_gap, old_gap = (
+                found["gap"] - start * found["start_gap"] for found in (points, old)
+            )
+            # A point without a partner counts as at least on the surface.
+            now, then = (
+                np.where(np.isnan(gap) & (other < 0), 0.0, gap)
+                for gap, other in ((new_gap, old_gap), (old_gap, new_gap))
+            )
+            with np.errstate(invalid="ignore"):
+                change = np.abs(now - then)
+                beyond, closed = change > bound, np.minimum(now, then) < 0
+            self.open += int((beyond & ~closed).sum())
+            self.jumps += int((beyond & closed).sum())
+            self.flips += int((beyond & (now * then < 0)).sum())
+            self.farthest = max([self.farthest, *(change / bound)[beyond & closed]])
 
     def look(self, run: ct.Run) -> None:
         """Count centres of elements of one body that are inside the other one."""
@@ -176,7 +181,7 @@ def pair(seed: int) -> tuple[str, ct.Scene]:
 def body_pairs(short: bool) -> Iterator[Row]:
     """200 pairs of boxes, distorted boxes, balls and wedges of hex8 and hex20 in random orientations, with
     ratios of stiffness from 1 to 10000 and speeds up to a fifth of the wave speed."""
-    for seed in (0, 1, 2, 4, 125, 134) if short else range(200):
+    for seed in (0, 1, 2, 4, 79, 125, 134, 162) if short else range(200):
         name, made = pair(seed)
         gaps = Gaps()
         row = classify(

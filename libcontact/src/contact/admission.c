@@ -21,6 +21,7 @@ static const double DEEP = 0.01;
 static double later(const ct_side *side, const ct_point *p)
 {
   double open = fmin(p->row.gap, p->last_known - p->shift);
+  if (p->jumped == CT_POINT_BESIDE) return p->admitted;
   // -- Released as it opens (eq:initial-release)
   return open > p->admitted + ct_side_unsure(side) ? fmin(open, 0.0) : p->admitted;
 }
@@ -62,6 +63,19 @@ static void admit(ct_side *side, ct_point *p)
   if (fabs(p->row.gap) <= ct_side_unsure(side)) p->row.gap = 0.0;
 }
 
+/* Let the gap of a point beside an edge follow its motion along the normal, by its start gap. */
+static void follow(ct_side *side, ct_point *p)
+{
+  const double along = p->row.gap + p->closed - p->row.before, others = p->shift - p->admitted,
+               gap = p->last_known + along - p->shift;
+  // -- From the depth of the nearest place to 0; 0 for a point that had none (eq:beside-gap)
+  p->row.gap = fmax(fmin(0.0, gap), p->known);
+  p->row.before = p->row.gap + p->closed - along;
+  p->shift = p->known - p->row.gap;
+  p->admitted = p->shift - others;
+  side->shifted = 1;
+}
+
 /* Count a point that was found inside, if it is deep. */
 static void note(ct_contact *contact, double depth)
 {
@@ -72,6 +86,16 @@ static void note(ct_contact *contact, double depth)
   if (!(depth > DEEP * size)) return;
   admission->late += 1.0;
   admission->late_depth = fmax(admission->late_depth, depth);
+}
+
+/* Limit what a point stores whose gap is not that of its motion. Rare: a clone is not inlined. */
+CT_CLONES
+static void take_jump(ct_contact *contact, ct_side *side, ct_point *p)
+{
+  if (p->jumped == CT_POINT_BESIDE) follow(side, p);
+  if (!(p->row.gap < 0.0)) return;
+  if (p->jumped == CT_POINT_JUMPED) note(contact, -ct_point_distance(p));
+  admit(side, p);
 }
 
 /* Motion of a place on a face since the last update, Σ_a N_a u_a, in three of four components.
@@ -145,10 +169,7 @@ static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t coun
       continue;
     }
     find_before(contact, s, p);
-    if (p->jumped && p->row.gap < 0.0) {
-      note(contact, -ct_point_distance(p));
-      admit(side, p);
-    }
+    if (p->jumped) take_jump(contact, side, p);
     before[i] = p->row.before, gap[i] = p->row.gap;
   }
   ct_law_claims(contact->fixed->law.enforcement, count, k, before, gap, terms);

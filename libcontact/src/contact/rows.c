@@ -139,12 +139,15 @@ double ct_side_take_rows(ct_side *side)
   return top;
 }
 
+/* Whether the gap of a point is not the length of its gap vector. */
+static int is_counted(const ct_point *p) { return p->shift != 0.0 || p->jumped == CT_POINT_BESIDE; }
+
 /* Force of a point with the explicit penalty: k d where it is inside. With a start gap it is
  * counted from there, along the normal. */
 static void penalize(ct_point *p)
 {
   const double *n = p->row.normal, k = p->row.stiffness;
-  const int inside = p->row.gap < 0.0, counted = p->shift != 0.0;
+  const int inside = p->row.gap < 0.0, counted = is_counted(p);
   for (int c = 0; c < 3; c++)
     // -- F = k d (eq:contact-force, eq:obstacle-force)
     p->force[c] = !inside ? 0.0 : counted ? -k * p->row.gap * n[c] : k * p->d[c];
@@ -165,7 +168,7 @@ double ct_side_apply_penalty(ct_side *side)
 static double potential_of(const ct_point *p)
 {
   const double *F = p->force;
-  if (p->shift != 0.0) return -0.5 * sqrt(ct_vector_dot(F, F)) * p->row.gap;
+  if (is_counted(p)) return -0.5 * sqrt(ct_vector_dot(F, F)) * p->row.gap;
   // -- One term of the potential (eq:contact-potential, eq:obstacle-potential)
   return 0.5 * ct_vector_dot(F, p->d);
 }

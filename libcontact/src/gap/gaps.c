@@ -9,6 +9,7 @@ static void forget_faces(ct_side *side)
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
       p->other = -1;
+      p->jumped = CT_POINT_NO_JUMP;
       p->row.gap = NAN;
       p->xi[0] = p->xi[1] = 0.0;
       p->last_known = p->known;

@@ -422,7 +422,10 @@ static void prefer_facing(const ct_pass *p, int64_t i, const double y[3], neares
   find_nearest(p, i, y, FACING, &facing);
   if (facing.face == INT32_MAX || measure(p, i, &facing, &there) != INSIDE) return;
   // -- It was there, or its own face comes out through that one (eq:beside-edge)
-  if (held || comes_out(p, i, y, &there)) *best = facing, *point = there;
+  if (!held && !comes_out(p, i, y, &there)) return;
+  there.jumped = CT_POINT_BESIDE;
+  facing.distance = best->distance;
+  *best = facing, *point = there;
 }
 
 /* Whether a point with nothing near is deep inside the other body in the first call
@@ -445,7 +448,7 @@ static point_class classify(const ct_pass *p, int64_t i, const double y[3], near
   int buried = point->status == CT_POINT_BURIED;
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
   point_class found = measure(p, i, best, point);
-  if (found == INSIDE && !p->self) prefer_facing(p, i, y, best, point);
+  if (found == INSIDE && !p->self && !buried) prefer_facing(p, i, y, best, point);
   if (found == FAR) found = classify_far(p, i, y, best, point);
   if (found == INSIDE && (p->self || point->status != CT_POINT_INSIDE) &&
       (buried || point->row.gap < -(p->self ? p->deep : p->depth)))
@@ -481,8 +484,8 @@ static void search_point(const ct_pass *p, int64_t i)
   ct_point *point = &p->side->points[i];
   nearest best;
   double y[3];
+  point->jumped = CT_POINT_NO_JUMP;
   if (is_alone(p, i)) {
-    point->jumped = 0;
     close_point(p, point, point->status == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
     return;
   }
@@ -490,8 +493,11 @@ static void search_point(const ct_pass *p, int64_t i)
   find_nearest(p, i, y, ALL_FACES, &best);
   if (best.face == INT32_MAX) keep_clear(p, i, best.clear);
   point_class found = classify(p, i, y, &best, point);
-  point->jumped = has_jumped(p, i, found, best.face);
+  if (point->jumped == CT_POINT_NO_JUMP && has_jumped(p, i, found, best.face))
+    point->jumped = CT_POINT_JUMPED;
   close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
+  // -- Its distance is still that of the nearest place (eq:beside-gap)
+  if (point->jumped == CT_POINT_BESIDE) point->known = -best.distance;
 }
 
 /* Search for the point `first` and those after it before `end`, at most eight. */

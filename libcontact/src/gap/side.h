@@ -23,6 +23,10 @@ typedef enum ct_point_status {
   CT_POINT_BURIED
 } ct_point_status;
 
+/* Why the gap of a point inside is not that of its motion: it is where the motion since the last
+ * update can't have brought it; or it belongs to a face beside an edge (eq:beside-edge). */
+typedef enum ct_point_jump { CT_POINT_NO_JUMP, CT_POINT_JUMPED, CT_POINT_BESIDE } ct_point_jump;
+
 /* One point of a side at the last update: seven lines of a cache. What a step of lasting contact
  * writes is in the third and the fourth, which begin with `row.gap`, and in the first half of the
  * fifth; the first two change only with the partner. */
@@ -33,7 +37,7 @@ typedef struct ct_point {
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
   int listed;        /* whether the row is listed in this step */
-  int jumped;        /* whether it is inside by more than the motion since then explains */
+  ct_point_jump jumped;
   double last_known; /* `known` of the last step */
   double xi[2];      /* parameters of the closest point on it, or 0 */
   double known;    /* signed distance at the last update from the nearest place, in contact or not;

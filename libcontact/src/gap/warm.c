@@ -457,7 +457,8 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
                   offsetof(ct_point, N) + a * sizeof *N, point);
   write_numbers((const double *const[4]){&b->known[l], &b->xi[l], &b->xi[CT_WARM + l], gap}, count,
                 offsetof(ct_point, last_known), point);
-  for (int i = 0; i < count; i++) point[i].jumped = 0, point[i].status = b->next[l + i];
+  for (int i = 0; i < count; i++)
+    point[i].jumped = CT_POINT_NO_JUMP, point[i].status = b->next[l + i];
   for (int i = 0; b->touches && i < count; i++) {
     if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
     const double motion[3] = {b->motion[l + i], b->motion[8 + l + i], b->motion[16 + l + i]};
