@@ -236,6 +236,13 @@ REFUSED = [
     (("output", "fields"), ["displacment"], "output.fields[0]", 'did you mean "displacement"'),
     (("output", "file"), "", "output.file", "no file name"),
     (("run",), {"threads": 0}, "run.threads", "from 1"),
+    (
+        ("time", "friction"),
+        0.3,
+        "time.friction",
+        '"friction" belongs to [[contact]] or [[obstacle]]',
+    ),
+    (("end",), 1.0, "end", '"end" belongs to [time]'),
     (("run",), {"thread": 1}, "run.thread", 'did you mean "threads"'),
     (("title",), "\ud800", "title", "Unicode"),
     (("body", 0, "lumping"), None, "body[0].lumping", "leave the key out"),

@@ -108,7 +108,7 @@ EFFECTS = {name: kind.model for name, kind in MODELS.items() if issubclass(kind.
 def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     """Check the tables of a scene. ``whole`` also requires bodies and time, which a scene that is still
     being built may lack."""
-    top = Place("", file, _dotted(data))
+    top = Place("", file, _dotted(data), _home)
     for name, reason in NO_TABLE.items():
         if isinstance(data, dict) and name in data:
             raise (top / name).error(reason)
@@ -136,6 +136,13 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in (*conflicts(parts), *(_deforming(parts) if whole else ())):
         raise (top / name).error(reason)
     return parts
+
+
+def _home(name: str) -> str:
+    """The tables that have a key which is unknown where it stands."""
+    there = [each for each, kind in MODELS.items() if name in kind.model.keys()]
+    written = " or ".join(f"[[{each}]]" if each in MANY else f"[{each}]" for each in there)
+    return f'; "{name}" belongs to {written}' if there else ""
 
 
 def _dotted(data: Any) -> tuple[str, ...]:

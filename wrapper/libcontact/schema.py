@@ -71,17 +71,19 @@ class SceneError(Error, ValueError):
 @dataclass(frozen=True)
 class Place:
     """Position of a value in a scene: ``place / "beta"`` is a key of a table, ``place[0]`` an entry
-    of a list. ``dotted`` are the names of the scene's bodies that have dots."""
+    of a list. ``dotted`` are the names of the scene's bodies that have dots; ``home`` tells to which
+    tables a key belongs."""
 
     key: str = ""
     file: str | None = None
     dotted: tuple[str, ...] = ()
+    home: Callable[[str], str] = lambda name: ""
 
     def __truediv__(self, name: str) -> Place:
-        return Place(f"{self.key}.{name}".strip("."), self.file, self.dotted)
+        return dataclasses.replace(self, key=f"{self.key}.{name}".strip("."))
 
     def __getitem__(self, i: int) -> Place:
-        return Place(f"{self.key}[{i}]", self.file, self.dotted)
+        return dataclasses.replace(self, key=f"{self.key}[{i}]")
 
     def error(self, reason: str) -> SceneError:
         """The error for this position, with a reason."""
@@ -626,7 +628,8 @@ class Table:
                 raise (at / name).error("is missing" + hint)
         for name in value:
             if name not in known:
-                raise (at / str(name)).error("unknown key" + suggestion(name, known))
+                other = at.home(name) + suggestion(name, known)
+                raise (at / str(name)).error("unknown key" + other)
         found = cls._alternatives(value, at)
         for name, field in known.items():
             if name in value:
