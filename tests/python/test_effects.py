@@ -1,8 +1,11 @@
 """Effects that a scene adds from its tables: results compared with closed forms, refusals with file, key and reason,
 columns of the energy balance."""
 
+from inspect import signature
+
 import numpy as np
 import pytest
+from libcontact.parts import EFFECTS
 from scenes import box_of, scene_with
 
 import libcontact as ct
@@ -192,6 +195,20 @@ def test_what_cannot_be_is_refused_with_key_and_reason(effect, entries, words):
         bar().add(effect, **entries)
     for word in words:
         assert word in str(refused.value)
+
+
+def test_every_effect_has_a_call_of_its_own():
+    for effect in EFFECTS:
+        assert set(signature(getattr(ct.Scene, f"add_{effect}")).parameters) > {
+            *EFFECTS[effect].keys()
+        }
+    by_name = (
+        bar().add("gravity", acceleration=[0, 0, 1]).add("load", surface="bar.x_max", pressure=1)
+    )
+    called = bar().add_gravity(acceleration=[0, 0, 1]).add_load(surface="bar.x_max", pressure=1)
+    assert called.data == by_name.data
+    with pytest.raises(ct.SceneError, match="given twice"):
+        called.add_gravity(acceleration=[0, 0, 1])
 
 
 def test_an_effect_that_a_scene_has_once_is_refused_twice():

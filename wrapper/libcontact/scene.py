@@ -20,8 +20,15 @@ import tomli_w
 from . import html
 from .bridge import index
 from .checks.warned import during, known
+from .effects.absorb import Absorb
+from .effects.damping import Damping
+from .effects.gravity import Gravity
+from .effects.load import Load
 from .effects.obstacle import Obstacle
 from .effects.own import Own, View
+from .effects.rigid import Rigid
+from .effects.tie import Tie
+from .effects.viscosity import Viscosity
 from .errors import NotBuiltIn, issue
 from .loop import Loop, follow, record_count, schedule
 from .model import SHAPES, Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
@@ -106,7 +113,8 @@ def _call(call: str, table: Any, *pair: str) -> Any:
         two = [given.pop(word) for word in pair if word in given]
         if pair and (len(two) == 2) == ("surfaces" in given) or len(two) == 1:
             raise TypeError(f"{call}: give two surfaces, either a and b or surfaces = [a, b]")
-        return scene._put(name, {**given, "surfaces": two} if two else given)
+        entries = {**given, "surfaces": two} if two else given
+        return scene.add(name, **entries) if name in EFFECTS else scene._put(name, entries)
 
     docs = {**{word: f'A surface, such as ``"{word}.x_max"``.' for word in pair}, **table.docs()}
     text = "\n".join(f"{key}\n    {docs[key]}" for key in [*whole.parameters][1:])
@@ -293,6 +301,13 @@ class Scene:
     add_contact = _adding_pair("add_contact", Contact, ContactKeys)
     add_support = _adding("add_support", Support)
     add_obstacle = _adding("add_obstacle", Obstacle)
+    add_gravity = _adding("add_gravity", Gravity)
+    add_load = _adding("add_load", Load)
+    add_damping = _adding("add_damping", Damping)
+    add_absorb = _adding("add_absorb", Absorb)
+    add_viscosity = _adding("add_viscosity", Viscosity)
+    add_tie = _adding("add_tie", Tie)
+    add_rigid = _adding("add_rigid", Rigid)
     add_probe = _adding("add_probe", Probe)
     set_time = _adding("set_time", Time)
     set_output = _adding("set_output", Output)
@@ -300,7 +315,7 @@ class Scene:
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """
-        Add an effect of the library.
+        Add an effect of the library by its name; ``add("gravity", ...)`` is ``add_gravity(...)``.
 
         Parameters
         ----------
