@@ -13,7 +13,7 @@ import libcontact as ct
 pytest.importorskip("matplotlib")
 from libcontact.pictures.drawing import Drawing  # noqa: E402
 from libcontact.pictures.faces import Faces, _shape  # noqa: E402
-from libcontact.pictures.picture import bar_axis, chosen, plot_run  # noqa: E402
+from libcontact.pictures.picture import bar_axis, chosen, draw_energies, plot_run  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
@@ -59,6 +59,29 @@ def test_instants_and_energies_have_one_unit_of_time(block):
     (energies,) = (axes for axes in figure.axes if axes.get_ylabel().startswith("energy"))
     assert titles == {"ms"} and energies.get_xlabel() == "t [ms]"
     assert energies.lines[-1].get_xdata()[-1] == pytest.approx(40.0)
+
+
+def test_colours_have_readable_units(block):
+    """A stress of 1e5 Pa is shown in kPa, without a power of ten beside the axis."""
+    figure = shown(block, field="mises")
+    (bar,) = (axes for axes in figure.axes if "von Mises" in axes.get_xlabel())
+    assert bar.get_xlabel() == "von Mises stress [kPa]"
+    assert not bar.xaxis.get_offset_text().get_text()
+    for tick, place in zip(bar.get_xticklabels(), bar.get_xticks()):
+        assert 1e3 * float(tick.get_text()) == pytest.approx(place)
+
+
+def test_curves_that_cannot_be_seen_are_not_named(block):
+    """Nor does a part stand above the whole: the first row of what is held is that of half a step later."""
+    run = copy.copy(block)
+    run.energy = block.energy.copy()
+    run.energy["external"] = 1e-3 * run.energy["kinetic"].max()
+    run.energy["reserve"][0] = 2.0 * run.energy["contact"].max()
+    axes = Figure().subplots()
+    draw_energies(axes, run)
+    lines = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert "external" not in lines and (lines["reserve"] <= lines["contact"]).all()
+    assert lines["kinetic"].max() == run.energy["kinetic"].max()
 
 
 def test_nine_energies_are_named_in_two_rows():

@@ -35,6 +35,8 @@ EXPONENTS = {
 NAMES: dict[str, dict[float, str]] = {
     "stress": {1e-1: "dPa", 1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa", 1e12: "TPa"},
     "force": {1e-3: "mN", 1.0: "N", 1e3: "kN", 1e6: "MN"},
+    "length": {1e-9: "nm", 1e-6: "µm", 1e-3: "mm", 1.0: "m"},
+    "time": {1e-12: "ps", 1e-9: "ns", 1e-6: "µs", 1e-3: "ms", 1.0: "s"},
     "energy": {1e-6: "µJ", 1e-3: "mJ", 1.0: "J", 1e3: "kJ", 1e6: "MJ"},
     "impulse": {1.0: "N s", 1e3: "kN s"},
 }
@@ -63,6 +65,16 @@ class Units(Table, eq=True):
         """SI value of one unit of a quantity (``"stress"``, ``"energy"``, ``"velocity"``, ...)."""
         length, mass, time = EXPONENTS[quantity]
         return LENGTH[self.length] ** length * MASS[self.mass] ** mass * TIME[self.time] ** time
+
+    def scaled(self, quantity: str, largest: float) -> tuple[float, str]:
+        """Factor and name of the unit in which numbers up to ``largest`` are shown, such as 1e-6 and MPa for 1e7 Pa."""
+        own, name = self.factor(quantity), self.label(quantity)
+        named = {value: each for value, each in NAMES.get(quantity, {}).items() if each != "dPa"}
+        if name not in NAMES.get(quantity, {}).values() or largest == 0.0 or 0.1 <= largest < 1e4:
+            return 1.0, name
+        below = [value for value in named if value <= largest * own * (1.0 + 1e-9)]
+        best = max(below, default=min(named))
+        return own / best, named[best]
 
     def label(self, quantity: str) -> str:
         """Name of the unit of a quantity: ``MPa`` if it has a name, otherwise for example ``t/(mm s^2)``."""

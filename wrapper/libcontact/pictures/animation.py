@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .drawing import Drawing, label, title_of
+from .drawing import Drawing, readable, title_of
 
 if TYPE_CHECKING:
     from ..run import Run
@@ -57,13 +57,13 @@ def animate(
     drawing = Drawing.of(run, states=states, **options)
     figure, writer = Figure(figsize=SIZE, layout="constrained"), writers[name](fps=rate)
     title = title_of(run, SIZE[0])
-    text = label(drawing.field) + (f" [{drawing.unit}]" if drawing.unit else "")
-    unit = f" {run.units.time}" if run.units else ""
+    factor, unit = readable(run.units, "time", states[-1].time)
     with writer.saving(figure, path, dpi=100):
         for state in states:
             figure.clear()
             axes = figure.subplots()
             patches = drawing.draw(axes, state)
-            axes.set_title(f"{title}\nt = {state.time:.4g}{unit}", fontsize="medium")
-            figure.colorbar(patches, ax=axes, label=text)
+            now = f"{title}\nt = {factor * state.time:.4g} {unit}".rstrip()
+            axes.set_title(now, fontsize="medium")
+            drawing.colour_bar(patches, axes)
             writer.grab_frame()

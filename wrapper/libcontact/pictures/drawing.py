@@ -80,6 +80,27 @@ def label(field: str) -> str:
     return f"{name} ${symbol}_{{{part}}}$"
 
 
+def readable(units: Units | None, quantity: str, largest: float) -> tuple[float, str]:
+    """Factor and unit of numbers in a picture; 1 and "" without units."""
+    return units.scaled(quantity, largest) if units else (1.0, "")
+
+
+def with_unit(text: str, unit: str) -> str:
+    """What stands at an axis."""
+    return f"{text} [{unit}]" if unit else text
+
+
+def colour_bar(
+    patches: Any, axes: Any, field: str, units: Units | None, more: str = "", **options: Any
+) -> None:
+    """A colour bar of a component beside axes."""
+    quantity = QUANTITY[COMPONENTS[field][0]]
+    factor, unit = readable(units, quantity, float(np.abs(patches.get_clim()).max()))
+    figure = np.ravel(axes)[0].get_figure()
+    bar = figure.colorbar(patches, ax=axes, label=with_unit(label(field), unit) + more, **options)
+    bar.formatter = lambda value, _: f"{factor * value:g}".replace("-", "−")
+
+
 def title_of(run: Run, width: float) -> str:
     """Title of a run's scene, empty if there is none, in lines that fit a width [inch]."""
     return textwrap.fill(str(tables(run).get("title", "")), int(LETTERS * width))
@@ -285,10 +306,10 @@ class Drawing:
         """The map of colours."""
         return WITHOUT_SIGN.get(self.field, SIGNED)
 
-    @property
-    def unit(self) -> str:
-        """Unit of the field."""
-        return self.units.label(QUANTITY[COMPONENTS[self.field][0]]) if self.units else ""
+    def colour_bar(self, patches: Any, axes: Any, **options: Any) -> None:
+        """A colour bar of what :meth:`draw` returned, beside axes."""
+        more = f"; displacements × {self.scale:g}" if self.scale != 1.0 else ""
+        colour_bar(patches, axes, self.field, self.units, more, **options)
 
     def _fitted(self, states: Sequence[State]) -> Drawing:
         """The drawing with colours and bounds for some states."""

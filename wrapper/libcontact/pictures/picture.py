@@ -19,7 +19,16 @@ from ..model import AXES
 from ..progress import in_notebook
 from ..state import State
 from ..tables import ENERGY
-from .drawing import Drawing, flat_axis, label, last_state, tables, title_of
+from .drawing import (
+    Drawing,
+    colour_bar,
+    flat_axis,
+    last_state,
+    readable,
+    tables,
+    title_of,
+    with_unit,
+)
 from .plot import draw_bar_in_time
 from .rigid import displacement_at
 
@@ -27,7 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..run import Run
-    from ..units import Units
 
 __all__ = ["draw_energies", "picture", "plot_run"]
 
@@ -37,6 +45,8 @@ MARGIN = 0.05  # above a picture without a title
 LINE_HEIGHT = 0.25
 BARS_HEIGHT = 4.4
 COLOUR_BAR: dict[str, Any] = {"location": "bottom", "aspect": 50, "shrink": 0.7}
+# Fraction of the largest energy below which a curve lies on the axis.
+HIDDEN = 5e-3
 # Most instants in the picture of a bar.
 COLUMNS = 400
 # Fraction of the largest size of an instant that fewer rows may have.
@@ -201,42 +211,33 @@ def _draw_instants(
     figure: Any, drawing: Drawing, states: Sequence[State], rows: int, columns: int
 ) -> None:
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    factor, unit = _clock(drawing.units, states[-1].time)
+    factor, unit = readable(drawing.units, "time", states[-1].time)
     for k, (axes, state) in enumerate(zip(grid, states)):
         patches = drawing.draw(axes, state, marks=k == 0)
         axes.set_title(f"t = {state.time * factor:.4g} {unit}".rstrip(), fontsize="medium")
         axes.label_outer()
     for axes in grid[len(states) :]:
         axes.remove()
-    text = label(drawing.field) + (f" [{drawing.unit}]" if drawing.unit else "")
-    text += f"; displacements × {drawing.scale:g}" if drawing.scale != 1.0 else ""
-    figure.colorbar(patches, ax=list(grid[: len(states)]), label=text, **COLOUR_BAR)
-
-
-def _clock(units: Units | None, end: float) -> tuple[float, str]:
-    """Factor and unit of the times in a picture."""
-    unit = units.time if units else ""
-    if unit == "s" and 0.0 < end < 0.1:
-        power = next(power for power in (3, 6, 9, 12) if end * 10.0**power >= 1.0 or power == 12)
-        return 10.0**power, {3: "ms", 6: "µs", 9: "ns", 12: "ps"}[power]
-    return 1.0, unit
-
-
-def _time_label(unit: str) -> str:
-    return f"t [{unit}]" if unit else "t"
+    drawing.colour_bar(patches, list(grid[: len(states)]), **COLOUR_BAR)
 
 
 def draw_energies(axes: Any, run: Run) -> None:
-    """Draw the energy balance over time: each column that is not zero, and the total."""
+    """Draw the energy balance over time: each column that can be seen, and the total. ``reserve`` is a part of what
+    contacts store; the first row has that of half a step later, of which only this part is drawn."""
     own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
-    factor, unit = _clock(run.units, float(run.time[-1]))
-    time = factor * run.time
-    for name in ("kinetic", "strain", "contact", "reserve", "external", *own):
-        if run.energy[name].any():
-            axes.plot(time, run.energy[name], label=name)
-    axes.plot(time, run.energy["total"], "k--", label="total")
-    energy = f" [{run.units.label('energy')}]" if run.units else ""
-    axes.set(xlabel=_time_label(unit), ylabel="energy" + energy)
+    names = ("kinetic", "strain", "contact", "reserve", "external", *own)
+    lines = {name: run.energy[name] for name in (*names, "total")}
+    stored = sum(lines[name] for name in ("contact", "obstacle") if name in lines)
+    lines["reserve"] = np.minimum(lines["reserve"], stored)
+    most = max(float(np.abs(line).max()) for line in lines.values())
+    (factor, unit), (scale, energy) = (
+        readable(run.units, "time", float(run.time[-1])),
+        readable(run.units, "energy", most),
+    )
+    for name, line in lines.items():
+        if name == "total" or np.abs(line).max() > HIDDEN * most:
+            axes.plot(factor * run.time, scale * line, *["k--"][: name == "total"], label=name)
+    axes.set(xlabel=with_unit("t", unit), ylabel=with_unit("energy", energy))
     axes.grid(alpha=0.3)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
     count = len(axes.lines)
@@ -268,7 +269,7 @@ def draw_bars(axes: Any, run: Run, axis: int) -> None:
     records = np.linspace(0, len(run.states) - 1, min(len(run.states), COLUMNS)).round()
     states = [run.states[i] for i in records.astype(int).tolist()]
     times, field = np.array([state.time for state in states]), f"stress_{2 * AXES[axis]}"
-    factor, unit = _clock(run.units, float(times[-1]))
+    factor, unit = readable(run.units, "time", float(times[-1]))
     rows = {name: [_bar(state[name], field, axis) for state in states] for name in run.bodies}
     most = max(float(np.abs(values).max()) for row in rows.values() for _, values in row)
     for row in rows.values():
@@ -276,11 +277,9 @@ def draw_bars(axes: Any, run: Run, axis: int) -> None:
         cells = draw_bar_in_time(axes, factor * times, ends, values, most or 1.0, upright=True)
     for point in _walls(run, axis, times):
         axes.plot(factor * times, point, color="0.2", lw=1.5)
-    length, stress = (
-        f" [{run.units.label(quantity)}]" if run.units else "" for quantity in ("length", "stress")
-    )
-    axes.set(xlabel=_time_label(unit), ylabel=f"{AXES[axis]}{length}")
-    axes.figure.colorbar(cells, ax=axes, label=label(field) + stress, **COLOUR_BAR)
+    length = run.units.length if run.units else ""
+    axes.set(xlabel=with_unit("t", unit), ylabel=with_unit(AXES[axis], length))
+    colour_bar(cells, axes, field, run.units, **COLOUR_BAR)
 
 
 def _bar(body: Any, field: str, axis: int) -> tuple[Floats, Floats]:
