@@ -125,7 +125,7 @@ def test_a_body_in_a_sphere(radius, inside):
     )
     scene.add(
         "obstacle", surface="b.outer", sphere={"centre": [0, 0, 0], "radius": radius}
-    ).set_time(end=1e-3, fraction=0.7)
+    ).set_time(end=0.01, fraction=0.7)
     assert [one.kind for one in scene.explain().warnings] == (["inside_out"] if inside else [])
 
 
@@ -148,7 +148,7 @@ def test_rings_in_one_place(radius, one_place):
             material="soft",
             ring={"centre": [0, 0, 0], "radius": list(r), "width": 0.2, "cells": [3, 48, 2]},
         )
-    scene.set_time(end=1e-3, fraction=0.7)
+    scene.set_time(end=0.01, fraction=0.7)
     assert [one.kind for one in scene.explain().warnings] == (["same_place"] if one_place else [])
 
 
@@ -402,7 +402,7 @@ def test_units(units, absurd):
     scene = (
         empty(units=units)
         .add_body("b", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [2, 2, 2]))
-        .set_time(end=1e-3, fraction=0.7)
+        .set_time(end=0.01, fraction=0.7)
     )
     assert kinds(scene) == ([("units", "body[0]")] if absurd else [])
     if absurd:
@@ -422,9 +422,9 @@ def test_an_angle_in_degrees():
 
 
 def test_chatter_has_its_key():
-    assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [
-        ("chatter", "obstacle[0]")
-    ]
+    assert kinds(
+        drop(gap=0.1, enforcement="penalty", beta=20.0).set_time(end=0.01, fraction=0.9)
+    ) == [("chatter", "obstacle[0]")]
 
 
 def test_the_usual_penalty_is_judged_as_the_same_penalty_that_is_given():
@@ -504,6 +504,25 @@ def test_a_run_of_very_many_steps():
     assert f"{2e7:.2g} steps" in str(warning) and "a wave crosses" in str(warning)
 
 
+def test_a_run_of_very_few_steps():
+    """Of a mesh in mm in a scene in m, or of E in MPa, c1 = 5.9 m/s. A front in a block of many elements, and a block
+    of one, may end early. (eq:short-run)"""
+
+    def box(size, young=210e9, cells=4, end=2e-3):
+        scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"}).set_time(end=end)
+        scene.add_material("steel", young=young, poisson=0.3, density=7800.0)
+        return scene.add_body("b", material="steel", box=box_of([0, 0, 1], size, [4, 4, cells]))
+
+    small, large = [0.1, 0.1, 0.02], [100.0, 100.0, 20.0]
+    assert not kinds(box(small)) and not kinds(box(large, end=0.01))
+    for scene in box(large), box(small, young=210e3):
+        assert kinds(scene) == [("short_run", "time.end")]
+        (warning,) = scene.explain().warnings
+        assert "3 steps of" in str(warning) and "it takes 0.0033 s" in str(warning)
+    assert "of 100 x 100 x 20 m it" in str(box(large).explain().warnings[0])
+    assert not kinds(box(large, cells=100)) and not kinds(box(small, end=3.5e-6, cells=1))
+
+
 def test_a_penalty_that_is_too_soft():
     """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised
     penalty there is none. (eq:too-soft)"""
@@ -558,6 +577,18 @@ def test_a_scene_with_a_contact_and_an_obstacle_is_watched_to_its_end():
     assert run.state.time >= 0.02 and len(run.penetration) == 2
 
 
+def test_whole_skins_have_no_border_to_come_in_over():
+    """A cube of 8 linear elements hits at .9 of the wave speed, and its corner is inverted."""
+    scene = empty()
+    scene.add_body("low", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [4, 4, 4]))
+    high = box_of([0.05, 0.05, 1.001], [0.3, 0.3, 1], [2, 2, 2])
+    scene.add_body("high", material="soft", box=high, velocity=[0, 0, -100])
+    scene.add_support("low.z_min", fix="xyz").add_contact("low.outer", "high.outer")
+    found = {one.kind: str(one) for one in told(scene.set_time(end=0.03), output=False)}
+    assert "is inverted" in found["volume"]
+    assert "an element is inverted" in found["border"] and "open surface" not in found["border"]
+
+
 def wide_bar(element, ratio, cells=10):
     """A bar of elements so many times as wide as long that strikes a wall; its sides are held."""
     scene = empty()
@@ -599,6 +630,16 @@ def test_a_hex20_edge_that_passes_beside_the_other_body():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert "wide" not in [one.kind for one in scene.explain().warnings]
+
+
+def test_a_mesh_of_hex20_is_not_advised_a_key_that_it_cannot_have():
+    scene = wide_bar("hex20", 4)
+    assert 'take element = "hex8"' in scene.explain()
+    mesh = Mesh.box("hex20", [0.001, 0, 0], [1, 0.4, 0.4], [10, 1, 1])
+    data = scene.data
+    data["body"][0] |= {"nodes": mesh.nodes, "elements": mesh.elements}
+    del data["body"][0]["box"], data["support"]
+    assert "take a mesh of hex8" in ct.Scene(data).explain()
 
 
 @pytest.mark.parametrize("ratio, wide", [(1.0, False), (1.45, False), (1.55, True)])

@@ -116,6 +116,7 @@ KINDS = {
     "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "
     "to the bodies",
     "long_run": "a run takes ten million steps or more, or about an hour or more",
+    "short_run": "a run of less than 20 steps ends before a wave has crossed a body",
     "energy_growth": "more than 0.2 % of spurious energy was detected, or 1 % after a loss; an "
     ":class:`EnergyGrowth`",
     "penetration": "surfaces overlap by more than half an element: the penalty is too soft for the load",
@@ -203,9 +204,12 @@ class StepDivided(SceneWarning):
         self.time, self.parts = time, parts
 
 
-def came_in_late(count: int, depth: float) -> str:
-    """What a warning says of points that were found inside."""
-    text = f"{count} points were found up to {depth:.3g} inside the other surface although they did not come in through it, as over the border of an open surface; "
+def came_in_late(count: int, depth: float, borders: bool = True) -> str:
+    """What a warning says of points that were found inside; whole skins have no ``borders``."""
+    why = "as over the border of an open surface"
+    if not borders:
+        why = "as when an element is inverted, since whole skins have no border"
+    text = f"{count} points were found up to {depth:.3g} inside the other surface although they did not come in through it, {why}; "
     return (
         text
         + "their gaps count from there, so no energy is added and the bodies stay in each other"

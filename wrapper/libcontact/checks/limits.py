@@ -1,4 +1,4 @@
-"""Warnings of limits that make a run slow or its result useless: a run with very many steps, and a
+"""Warnings of limits that make a run slow or its result useless: a run with very many steps or too few, and a
 penalty that is too soft for its load (chapter "Warnings")."""
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from ..surfaces import contact_tables, split_name
 
 # Steps and time [s] of a long run, and operations per second of a slow core (eq:long-run).
 MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
+# Steps of a run that is too short, if no wave has crossed a body by then (eq:short-run).
+FEW_STEPS = 20
 # Depth as a fraction of an element that is warned of, and that of the advised penalty (eq:too-soft).
 DEEP, FINE = 0.5, 0.1
 # Depths are checked this many times in a run, but not more often than every LEAST_STEPS steps.
@@ -43,6 +45,26 @@ def long_run(problem: Problem) -> Iterator[SceneWarning]:
         f"{problem.dt:.2g} {unit}, about {_told(seconds)}; a wave crosses the largest "
         f"body in {cross:.2g} {unit}. Choose an earlier end, larger elements (the "
         "smallest one sets the step), or check the units",
+        "time.end" if time.end is not None else "time.end_c1t_over",
+    )
+
+
+def short_run(problem: Problem) -> Iterator[SceneWarning]:
+    """Warn of a run of a few steps in which no wave crosses a body, even along its shortest side."""
+    bodies = [body for body in problem.bodies.values() if body.kernel != "rigid"]
+    sides = [np.ptp(body.mesh.bounds, axis=0) for body in bodies]
+    crossings = [side.min() / speeds(body.material)[0] for side, body in zip(sides, bodies)]
+    # (eq:short-run)
+    if not crossings or problem.step_count >= FEW_STEPS or problem.end >= min(crossings):
+        return
+    first, time, unit = int(np.argmin(crossings)), problem.parts.time, problem.parts.units.time
+    size = " x ".join(f"{side:.3g}" for side in sides[first])
+    yield SceneWarning(
+        "short_run",
+        f"the run ends at t = {problem.end:.3g} {unit}, after {problem.step_count} step{'s' * (problem.step_count > 1)} of {problem.dt:.2g} {unit}, "
+        f'and no wave crosses a body by then: across "{bodies[first].name}" of {size} '
+        f"{problem.parts.units.length} it takes {crossings[first]:.2g} {unit}. Choose a later end, or check that the "
+        "mesh, young and density are in [units]",
         "time.end" if time.end is not None else "time.end_c1t_over",
     )
 

@@ -24,7 +24,7 @@ from ..problem import BuiltBody, Problem, contact_points, new_state, penetration
 from ..schema import SIDES, Place, walk
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
-from .limits import Depths, long_run
+from .limits import Depths, long_run, short_run
 from .touch import Touch, first_touch, gravity_on, started
 from .volumes import Volumes
 
@@ -75,6 +75,7 @@ def known(
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
         *long_run(problem),
+        *short_run(problem),
     ]
 
 
@@ -285,7 +286,8 @@ class Borders(Observer):
             surfaces = given.surfaces
             text = ""
             if found["points"]["late"]:
-                text = came_in_late(found["points"]["late"], found["points"]["late_depth"])
+                points = found["points"]
+                text = came_in_late(points["late"], points["late_depth"], i in self._open)
             elif i in self._open and "corners" in found:
                 text = self._corner(i, found["corners"], state)
             if text and i not in self._told:
@@ -478,7 +480,10 @@ def _wide(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
                 text = f'body "{name}" is of hex20, and where it hits its elements are {ratio:.2g} times as wide as they are long along {AXES[axis]}: '
                 text += "their masses do not follow the loads of a plane wave, so the impact leaves vibrations and the body bounces back too slowly "
                 text += "(20 elements 4 times as wide as long kept 0.91 of their speed, cubes 0.97, hex8 1.00); "
-                text += f'take element = "hex8", or more elements across {AXES[axis]}'
+                drawn = problem.parts.bodies[name]
+                own = drawn.mesh is not None or drawn.nodes is not None
+                hex8 = "a mesh of hex8" if own else 'element = "hex8"'
+                text += f"take {hex8}, or more elements across {AXES[axis]}"
                 yield SceneWarning("wide", text, touch.key)
 
 
