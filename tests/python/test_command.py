@@ -615,6 +615,9 @@ def test_tables_become_those_of_pandas(scene):
     Path(scene).write_text(text + probe)
     run = ct.Scene.load(scene).run(output=False, until=2e-8)
     energy, momentum = run.energy.to_pandas(), run.momentum.to_pandas()
+    assert (run.momentum["p_x"] == run.momentum["p"][:, 0]).all()
+    with pytest.raises(ValueError, match='no field is named "p_w"; did you mean "p_'):
+        run.momentum["p_w"]
     assert list(energy) == list(run.energy.dtype.names) and len(energy) == len(run.steps)
     assert (momentum["p_x"] == run.momentum["p"][:, 0]).all()
     assert {"L_z", "contact_impulse_y", "body"} <= {*momentum}

@@ -12,6 +12,7 @@ import numpy as np
 
 from .bridge import Floats, Rows, members
 from .errors import NotBuiltIn, install
+from .schema import suggestion
 
 __all__ = ["Table"]
 
@@ -26,9 +27,15 @@ IN_ENERGY = ("solid", "contact", "support")
 
 
 class Table(np.ndarray[Any, Any]):
-    """A structured array, one row per time, such as ``run.energy``; its fields are plain numpy arrays."""
+    """A structured array, one row per time, such as ``run.energy``; its fields, and their columns such as
+    ``force_x``, are plain numpy arrays."""
 
     def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str) and key not in (self.dtype.names or ()):
+            columns = dict(self.columns())
+            if key in columns:
+                return columns[key]
+            raise ValueError(f'no field is named "{key}"' + suggestion(key, [*columns]))
         found = super().__getitem__(key)
         plain = isinstance(found, Table) and found.dtype.names is None
         return found.view(np.ndarray) if plain else found
