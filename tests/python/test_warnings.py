@@ -115,6 +115,13 @@ def test_a_plane_with_its_normal_the_wrong_way_round(surface):
     ]
 
 
+def test_a_body_deep_in_the_floor_is_to_be_moved():
+    """An overlap of an element or more is no sag of facets, which adjust would close; the points are within corners."""
+    deep, slight = (str(drop(gap=gap).explain()) for gap in (-0.4, -0.01))
+    assert "Move the bodies apart by 0.4" in deep and "set adjust" not in deep
+    assert "set adjust" in slight and "Move the bodies apart" not in slight
+
+
 @pytest.mark.parametrize("radius, inside", [(3.0, True), (0.3, False)])
 def test_a_body_in_a_sphere(radius, inside):
     scene = empty()

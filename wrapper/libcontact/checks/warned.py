@@ -204,11 +204,20 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             )
             text = f"{who} {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
-                text += f". If they should touch, set adjust = {1.1 * max(deepest, _sag(problem, given)):.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
+                if deepest < _edge(problem, given):
+                    text += f". If they should touch, set adjust = {1.1 * max(deepest, _sag(problem, given)):.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
+                else:  # no facet is off by so much
+                    text += f". Move the bodies apart by {deepest:.3g}, or set initial_penetration"
             yield SceneWarning("overlap", f"{name}: {text}", key)
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
             yield SceneWarning("overlap", f"{name}: {text}", key)
+
+
+def _edge(problem: Problem, given: Any) -> float:
+    """The shortest edge of the bodies of a contact or of the one at an obstacle."""
+    surfaces = getattr(given, "surfaces", None) or [given.surface]
+    return min(problem.bodies[name].mesh.shortest_edge for name, _ in surfaces)
 
 
 def _sag(problem: Problem, given: Any) -> float:
@@ -297,8 +306,7 @@ class Borders(Observer):
 
     def _corner(self, i: int, found: dict[str, Any], state: Any) -> str:
         """What to say of the deepest corner, unless it is no deeper than at the start."""
-        bodies = {body for body, _ in self._problem.parts.contact[i].surfaces}
-        edge = min(self._problem.bodies[body].mesh.shortest_edge for body in bodies)
+        edge = _edge(self._problem, self._problem.parts.contact[i])
         if state.step == 0:
             self._first[i] = found["deepest"]
         if not found["deepest"] > self._first[i] + self.DEEP * edge:
