@@ -97,14 +97,13 @@ static void relaxation_by_hand(void)
   double k = 9.0, m = 1.0, dt = problem->dt, u = 0.0, v = 0.1, rate = 0.0, off = 0.0;
   double u0 = 0.0, f0 = 0.0, age = 0.0;
   for (int n = 1; n <= 80; n++) {
-    double f = -k * u;
+    double f = -k * u, a = 0.5 * rate * dt;
     if (age == 0.0 || 0.5 * rate * dt * age >= 1.0 || rate == 0.0) {
       double square = -(u - u0) * (f - f0) / ((u - u0) * m * (u - u0));
       if (age > 0.0 && square > 0.0) rate = 2.0 * sqrt(square);
       u0 = u, f0 = f, age = 0.0;
     }
     age += 1.0;
-    double a = 0.5 * rate * dt;
     v = ((1.0 - a) * v + dt * f / m) / (1.0 + a);
     u += dt * v;
     advance(problem, state, 1);

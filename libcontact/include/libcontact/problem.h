@@ -188,6 +188,12 @@ typedef struct ct_effect_constraints {
   ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
                          ct_error *error);
   /**
+   * Null, or write a fraction a: the effect will scale the velocity of its nodes by (1 - a)/(1 + a)
+   * and what all forces change of it by 1/(1 + a) (:eq:`relaxation-force`).
+   */
+  ct_status (*slow)(const struct ct_effect *effect, const ct_view *view, double *fraction,
+                    ct_error *error);
+  /**
    * Null, or, for an effect whose nodes are those of whole bodies that are rigid, write how each of
    * these moves, in the order of their nodes, and the vector from its centre to each node, shape
    * (node_count, 3) [length]. `increment` is then the motion without the constraints, and was

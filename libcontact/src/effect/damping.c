@@ -99,8 +99,18 @@ static double rayleigh(const ct_effect *effect, const ct_view *view)
   return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
 }
 
-/* The rate of this step, and the memory for the next one. */
-static double relaxation_rate(const ct_effect *effect, const ct_view *view)
+/* The fraction a of a step, from the rate that the last one found: contacts must know it before
+ * their forces are. While the state is created the velocity is that of t = 0, and there is none. */
+static ct_status relaxation_slow(const ct_effect *effect, const ct_view *view, double *fraction,
+                                 ct_error *error)
+{
+  (void)effect, (void)error;
+  *fraction = view->dt == 0.0 ? 0.0 : 0.5 * view->memory[RATE] * view->c_dt;
+  return CT_OK;
+}
+
+/* The memory for the next step. */
+static void find_rate(const ct_effect *effect, const ct_view *view)
 {
   const damping_data *data = effect->data;
   double rate = view->memory[RATE], age = view->memory[AGE];
@@ -119,16 +129,15 @@ static double relaxation_rate(const ct_effect *effect, const ct_view *view)
       u[3 * (int64_t)i + k] = view->displacement[3 * (int64_t)data->nodes[i] + k];
       f[3 * (int64_t)i + k] = view->total[3 * (int64_t)data->nodes[i] + k];
     }
-  return rate;
 }
 
 static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, double *force,
                                   ct_error *error)
 {
   const damping_data *data = effect->data;
-  (void)error;
-  // While the state is created the velocity is that of t = 0, and there is no damping yet.
-  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->c_dt;
+  double a = 0.0;
+  relaxation_slow(effect, view, &a, error);
+  if (view->dt != 0.0) find_rate(effect, view);
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int k = 0; k < 3; k++) {
       int64_t dof = 3 * (int64_t)data->nodes[i] + k;
@@ -187,6 +196,7 @@ static const ct_effect_calls RELAXATION = {.force = relaxation_force,
                                            .create_scratch = create_scratch,
                                            .free_scratch = ct_release,
                                            .free_data = ct_pool_free,
+                                           .constraints.slow = relaxation_slow,
                                            .pieces = {relaxation_cut, relaxation_keep, 0}};
 
 ct_damping_def ct_damping_def_default(void) { return (ct_damping_def){.cookie = CT_DEF_COOKIE}; }

@@ -42,8 +42,9 @@ static void find_places(const ct_problem *problem, const int32_t *number, ct_con
   int32_t longest = 0;
   for (int32_t k = 0; !pool->failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->calls->constraints.increment == NULL) continue;
-    if (effect->node_count > longest) longest = effect->node_count;
+    const int moves = effect->calls->constraints.increment != NULL;
+    if (!moves && effect->calls->constraints.slow == NULL) continue;
+    if (moves && effect->node_count > longest) longest = effect->node_count;
     c->place[k] = ct_pool_take(pool, (size_t)effect->node_count, sizeof *c->place[k]);
     for (int32_t i = 0; c->place[k] != NULL && i < effect->node_count; i++)
       c->place[k][i] = number[ct_effect_node(effect, i)];
@@ -225,6 +226,30 @@ static ct_status move_bodies(const ct_problem *problem, const ct_state *state,
   return status;
 }
 
+/* Nodes that dynamic relaxation slows down, whatever forces act on them (eq:relaxation-force). */
+static ct_status slow_down(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
+                           ct_error *error)
+{
+  ct_constraints *c = state->workspace->constraints;
+  ct_solver *s = c->solver;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->calls->constraints.slow == NULL) continue;
+    const ct_view view = ct_workspace_view(problem, state, k);
+    double a = 0.0;
+    ct_status status = effect->calls->constraints.slow(effect, &view, &a, error);
+    if (status != CT_OK) return status;
+    for (int64_t d = 0; a != 0.0 && d < 3 * (int64_t)effect->node_count; d++) {
+      const int64_t place = c->place[k][d / 3], dof = CT_SOLVER_WIDE * place + d % 3;
+      if (place < 0) continue;
+      const double v = p->velocity[3 * (int64_t)effect->nodes[d / 3] + d % 3];
+      s->increment[dof] = (s->increment[dof] - a * p->tau * v) / (1.0 + a);
+      s->mobility[dof] /= 1.0 + a;
+    }
+  }
+  return CT_OK;
+}
+
 /* Degrees of freedom with prescribed motion, which no force moves, and those of rigid bodies. */
 static ct_status prescribe(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
                            ct_error *error)
@@ -275,7 +300,8 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   const ct_prediction p = predict(problem, state);
   s->tolerance = ct_solver_tolerance(problem->force_tolerance);
   ct_rows_predict(s, &p);
-  status = prescribe(problem, state, &p, error);
+  status = slow_down(problem, state, &p, error);
+  if (status == CT_OK) status = prescribe(problem, state, &p, error);
   if (status == CT_OK) status = move_bodies(problem, state, &p, error);
   if (status == CT_OK) status = ct_rows_solve(s, state->time, error);
   if (status == CT_OK && s->bodies != NULL) c->solved = ct_solver_follow(s);
