@@ -77,15 +77,6 @@ CT_INLINE void turn_rows(int again, int32_t quads, double *G)
   }
 }
 
-/* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
- * opposite each other, unlike four of more points in a row. */
-CT_INLINE int are_square(ct_constraint *const *row)
-{
-  const double *first = row[0]->own_shape, *last = row[3]->own_shape;
-  // Their weights follow on each other; those of other points do not.
-  return last - first == 24 && first[0] == last[2] && first[1] == last[3];
-}
-
 /* Whether four rows at an obstacle have the normals and weights of the four rows before them, which
  * are a group: all faces at a plane share one block of G, which stays in a cache. */
 CT_INLINE int repeats(const ct_group *before, ct_constraint *const *row)
@@ -119,7 +110,7 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     find_places(own, mine, number, place);
     find_places(other, theirs, number, place + own);
   }
-  g->face = (int16_t)(own == 4 && rows == 4 && are_square(row));
+  g->face = (int16_t)(own == 4 && rows == 4 && ct_rows_are_square(row));
   const int turned = g->face && (other == 4 || other == 0),
             again = g > s->groups && own == 4 && other == 0 && rows == 4 && repeats(g - 1, row);
   const int64_t next = again ? g->first : g->first + (turned ? 2 : 1) * rows * step;

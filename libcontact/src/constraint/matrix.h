@@ -6,6 +6,15 @@
 /* The matrix G of the listed rows, whose entries are b_a n (eq:constraint-force), and its products
  * with vectors. */
 
+/* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
+ * opposite each other, unlike four of more points in a row. */
+static inline int ct_rows_are_square(ct_constraint *const *row)
+{
+  const double *first = row[0]->own_shape, *last = row[3]->own_shape;
+  // Their weights follow on each other; those of other points do not.
+  return last - first == 24 && first[0] == last[2] && first[1] == last[3];
+}
+
 /* The groups of all listed rows, their numbers, and the places of their nodes, which become the
  * active ones. The rows of a few faces at a time are read once, for their laws, too. */
 void ct_matrix_fill(ct_solver *solver);

@@ -1,6 +1,7 @@
 /* The numbers of the tangential rows, for four of them side by side or for one (eq:slip-row). */
 #include "../base/lanes.h"
 #include "../base/vector.h"
+#include "matrix.h"
 #include "tangent_matrix.h"
 
 /* The numbers of four rows. */
@@ -41,8 +42,7 @@ CT_INLINE int stand_together(const ct_tangent_group *g, ct_constraint *const *r,
   if (g->rows != 4 || g->own != 4 || (g->other & ~4) != 0) return 0;
   for (int j = 1; j < 4 && !one_run; j++)
     if (r[j]->slip->of != r[0]->slip->of || r[j]->slip->at != r[0]->slip->at + j) return 0;
-  // Their weights follow on each other; those of other points do not.
-  return r[3]->own_shape - r[0]->own_shape == 24;
+  return ct_rows_are_square(r);
 }
 
 /* Let `most` be at least |w_b|² |d|² of four rows, lane by lane. */
