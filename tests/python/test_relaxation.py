@@ -86,6 +86,23 @@ def test_a_plane_that_moves_gives_a_relaxed_bar_its_work_and_no_more(restitution
     assert rise < 1e-9 * run.energy["strain"].max()
 
 
+@pytest.mark.parametrize("rigid", [False, True])
+def test_a_plane_that_moves_presses_a_bar_through_a_block(rigid):
+    """The plane's .01 mm are the bar's if the block between them is rigid, else those of both."""
+    scene = bar_at_rest("hex8", {"block": (0, 4), "bar": (4, 10)})
+    if rigid:
+        scene.add_rigid(body="block", fixed=["y", "z", "rx", "ry", "rz"])
+    scene.add_contact("block.x_max", "bar.x_min")
+    ramp = {"time": [0, 2e-5], "value": [0, 1]}
+    plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
+    scene.add_obstacle(surface="block.x_min", plane=plane, travel=[0.01, 0, 0], history=ramp)
+    run = scene.set_output(every=1).run(output=False)
+    stress = -2.1e5 * 0.01 / (10.0 if rigid else 14.0)
+    assert run.state["bar"].stress[:, 0] == pytest.approx(stress, rel=1.2e-2)  # two penalties
+    rise = np.maximum.accumulate(run.energy["total"])[-1] - run.energy["total"][0]
+    assert rise < 1e-9 * run.energy["strain"].max()
+
+
 def test_contacts_come_to_rest():
     """Contacts and obstacles of a relaxed scene have restitution 0 unless they give one; two blocks of 2 and 3
     elements, pressed together, then rest within 400 steps."""

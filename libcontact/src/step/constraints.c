@@ -218,36 +218,11 @@ static ct_status move_bodies(const ct_problem *problem, const ct_state *state,
     memcpy(bodies->translation[b], c->bodies[b].translation, sizeof bodies->translation[b]);
     memcpy(bodies->rotation[b], c->bodies[b].rotation, sizeof bodies->rotation[b]);
   }
-  ct_bodies_bound(bodies);
   for (int32_t i = 0; i < effect->node_count; i++)
     if (c->place[c->rigid][i] >= 0)
       memcpy(&bodies->arm[3 * (int64_t)c->place[c->rigid][i]], &c->arms[3 * (int64_t)i],
              3 * sizeof *c->arms);
   return status;
-}
-
-/* Nodes that dynamic relaxation slows down, whatever forces act on them (eq:relaxation-force). */
-static ct_status slow_down(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
-                           ct_error *error)
-{
-  ct_constraints *c = state->workspace->constraints;
-  ct_solver *s = c->solver;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    if (effect->calls->constraints.slow == NULL) continue;
-    const ct_view view = ct_workspace_view(problem, state, k);
-    double a = 0.0;
-    ct_status status = effect->calls->constraints.slow(effect, &view, &a, error);
-    if (status != CT_OK) return status;
-    for (int64_t d = 0; a != 0.0 && d < 3 * (int64_t)effect->node_count; d++) {
-      const int64_t place = c->place[k][d / 3], dof = CT_SOLVER_WIDE * place + d % 3;
-      if (place < 0) continue;
-      const double v = p->velocity[3 * (int64_t)effect->nodes[d / 3] + d % 3];
-      s->increment[dof] = (s->increment[dof] - a * p->tau * v) / (1.0 + a);
-      s->mobility[dof] /= 1.0 + a;
-    }
-  }
-  return CT_OK;
 }
 
 /* Degrees of freedom with prescribed motion, which no force moves, and those of rigid bodies. */
@@ -266,6 +241,42 @@ static ct_status prescribe(const ct_problem *problem, const ct_state *state, con
       if (place < 0 || isnan(c->increment[d])) continue;
       c->solver->increment[dof] = c->increment[d];
       c->solver->mobility[dof] = 0.0;
+    }
+  }
+  return CT_OK;
+}
+
+/* Slow a rigid body down, and all motion that forces cause of it. */
+static void slow_body(ct_bodies *bodies, int32_t b, double a)
+{
+  for (int k = 0; k < 3; k++) bodies->translation[b][k] /= 1.0 + a;
+  for (int k = 0; k < 6; k++) bodies->rotation[b][k] /= 1.0 + a;
+}
+
+/* What dynamic relaxation slows down, whatever forces act on it (eq:relaxation-force): all but
+ * prescribed motion. */
+static ct_status slow_down(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
+                           ct_error *error)
+{
+  ct_constraints *c = state->workspace->constraints;
+  ct_solver *s = c->solver;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->calls->constraints.slow == NULL) continue;
+    const ct_view view = ct_workspace_view(problem, state, k);
+    double a = 0.0;
+    ct_status status = effect->calls->constraints.slow(effect, &view, &a, error);
+    if (status != CT_OK) return status;
+    for (int32_t i = 0, last = -1; a != 0.0 && i < effect->node_count; i++) {
+      const int32_t place = c->place[k][i];
+      const int32_t body = place < 0 || s->bodies == NULL ? -1 : s->bodies->of[place];
+      if (body >= 0 && body != last) slow_body(s->bodies, last = body, a);
+      const double *v = &p->velocity[3 * (int64_t)ct_effect_node(effect, i)];
+      for (int64_t j = 0, dof = CT_SOLVER_WIDE * (int64_t)place; place >= 0 && j < 3; j++, dof++) {
+        if (body < 0 && s->mobility[dof] == 0.0) continue;
+        s->increment[dof] = (s->increment[dof] - a * p->tau * v[j]) / (1.0 + a);
+        s->mobility[dof] /= 1.0 + a;
+      }
     }
   }
   return CT_OK;
@@ -300,9 +311,10 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   const ct_prediction p = predict(problem, state);
   s->tolerance = ct_solver_tolerance(problem->force_tolerance);
   ct_rows_predict(s, &p);
-  status = slow_down(problem, state, &p, error);
-  if (status == CT_OK) status = prescribe(problem, state, &p, error);
+  status = prescribe(problem, state, &p, error);
   if (status == CT_OK) status = move_bodies(problem, state, &p, error);
+  if (status == CT_OK) status = slow_down(problem, state, &p, error);
+  if (s->bodies != NULL) ct_bodies_bound(s->bodies);
   if (status == CT_OK) status = ct_rows_solve(s, state->time, error);
   if (status == CT_OK && s->bodies != NULL) c->solved = ct_solver_follow(s);
   if (status != CT_OK) return status;
