@@ -294,6 +294,15 @@ def test_moving_shells_keep_their_energy():
     assert np.abs(total - total[0]).max() < 2e-3 * total[0]
 
 
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("steps", [1, 3])
+def test_the_end_of_a_fade_makes_no_energy(steps):
+    """The blocks press while the start gap fades within some steps: its last part counts, too."""
+    fade = {"initial_penetration": "remove", "removal_time": 0.01 * steps}
+    total = blocks(0.02, 2.0, adjust=0.03, **fade).run().energy["total"]
+    assert (total - np.minimum.accumulate(total)).max() < 1e-12 * total[0]
+
+
 def test_a_distance_beyond_the_depth_is_refused():
     with pytest.raises(
         ct.SceneError, match="adjust must be at most the depth of the search, 0.25, not 0.3"

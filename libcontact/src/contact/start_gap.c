@@ -129,7 +129,8 @@ static void shift_point(const ct_start_rule *rule, const ct_side *side, int firs
   if (p->other < 0 || !(at > 0.0)) p->start = 0.0;
   else if (!first) p->start = later_gap(rule, side, p->start, p->last_known, p->row.gap, at);
   p->shift = p->start * at;
-  p->closed = p->start * (at - last);
+  // The last part of what fades goes with the start gap itself.
+  p->closed = (at > 0.0 ? p->start : p->last_start) * (at - last);
   // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
   p->row.gap -= p->shift;
 }
