@@ -114,7 +114,22 @@ def cradle():
     return ct.Scene(data), 0.0
 
 
-MADE = (unlike, rigid, tied, crushed_strip, crushed_ring, cradle)
+def carried():
+    """A block falls on a plane that a small rigid body carries, whose nodes are far from where it touches."""
+    data = blocks(contact=[], rigid=[{"body": "small"}])
+    small = {
+        "name": "small",
+        "inertia": {"mass": 4, "moments": [0.1, 0.1, 0.1]},
+        "material": "soft",
+    }
+    data["body"] = [data["body"][0], {**small, "place": {"move": [0, 0.5, -2]}}]
+    data["body"][0]["velocity"] = [0, 0, -1]
+    plane = {"point": [0, 0, -1.001], "normal": [0, 0, 1]}
+    data["obstacle"] = [{"surface": "low.outer", "plane": plane, "carrier": "small"}]
+    return ct.Scene(data), 0.0
+
+
+MADE = (unlike, rigid, tied, crushed_strip, crushed_ring, cradle, carried)
 NAMES = TUTORIALS + tuple(each.__name__ for each in MADE)
 
 

@@ -40,7 +40,7 @@ def test_each_number_of_processes_and_each_cut_has_the_bits_of_one(count):
     program = ROOT / "tests" / "mpi" / "bits.py"
     done = launched(count, sys.executable, "-m", "mpi4py", program, 12 if count == 2 else 6)
     rows = [line.split(" | ") for line in done.stdout.splitlines()]
-    assert len(rows) == 12 * (5 if count == 2 else 2), done.stderr
+    assert len(rows) == 13 * (5 if count == 2 else 2), done.stderr
     assert {row[3] for row in rows} == {"same"}, rows
     assert {row[0] for row in rows if row[4] != "touches"} == {"spinning_ring"}, rows
 

@@ -121,14 +121,28 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
   g[1].place = g->place + own + other;
 }
 
-/* Whether all rows of all pieces have the normal of the first row, which is then stored. */
+/* The largest weight of a node in a row, or 1: only an obstacle that a rigid body carries may touch
+ * far from the nodes of its rows. */
+static double largest_weight(const ct_solver *s)
+{
+  double weight = 1.0;
+  for (int64_t r = 0; s->bodies != NULL && r < s->first[s->set_count]; r++)
+    for (int32_t b = 0; b < s->rows[r]->other_count; b++)
+      weight = fmax(weight, fabs(s->rows[r]->other_shape[b]));
+  return weight;
+}
+
+/* Whether all rows of all pieces have the normal of the first row, which is then stored, as is
+ * their largest weight. */
 static int have_one_normal(ct_solver *s, const quad_bits *differ)
 {
   const int some = (LANE(*differ, 0) | LANE(*differ, 1) | LANE(*differ, 2)) != 0;
-  double most[7] = {some, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  double most[8] = {some,      -HUGE_VAL, -HUGE_VAL, -HUGE_VAL,
+                    -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, largest_weight(s)};
   for (int c = 0; s->group_count > 0 && c < 3; c++) most[1 + c] = s->G[c], most[4 + c] = -s->G[c];
-  ct_pieces_largest(s->pieces, most, 7);
+  ct_pieces_largest(s->pieces, most, 8);
   memcpy(s->normal, most + 1, sizeof s->normal);
+  s->weight = most[7];
   return most[0] == 0.0 && most[1] == -most[4] && most[2] == -most[5] && most[3] == -most[6];
 }
 
@@ -235,17 +249,6 @@ CT_INLINE int keep_rows(ct_solver *s, int known)
   return 1;
 }
 
-/* The largest weight of a node in a row, or 1: only an obstacle that a rigid body carries may touch
- * far from the nodes of its rows. */
-static double largest_weight(const ct_solver *s)
-{
-  double weight = 1.0;
-  for (int64_t r = 0; s->bodies != NULL && r < s->first[s->set_count]; r++)
-    for (int32_t b = 0; b < s->rows[r]->other_count; b++)
-      weight = fmax(weight, fabs(s->rows[r]->other_shape[b]));
-  return weight;
-}
-
 /* List the nodes with rows; the largest number of rows of all pieces is found later. */
 static void list_active_nodes(ct_solver *s)
 {
@@ -290,7 +293,6 @@ void ct_matrix_fill(ct_solver *s)
   d.nodes |= s->group_count != g - s->groups;
   s->group_count = g - s->groups;
   if (d.nodes) count_rows(s);
-  s->weight = largest_weight(s);
   s->kept = s->bodies == NULL && !s->foreign;
   s->along = have_one_normal(s, &d.normal);
 }
