@@ -78,6 +78,19 @@ def test_a_gap_under_a_small_sphere_is_adjusted():
     assert run.energy["obstacle"][-1] > 0.0
 
 
+def test_friction_with_the_explicit_penalty_leaves_the_station_alone():
+    """Friction acts at points of the faces, between which the sphere is; the row of its station is listed with theirs."""
+    runs = []
+    for keys in {"friction": 0.3}, {}:
+        data = plate((0.03, 0.11), end=4e-4).data
+        data["body"][0]["box"] = box_of([-0.125, -0.125, 0], [0.25] * 3, [1] * 3)
+        data["obstacle"][0] |= {"surface": "plate.z_max", "enforcement": "penalty", **keys}
+        del data["support"]
+        runs.append(ct.Scene(data).run(output=False))
+    assert runs[0].impulse["obstacle"][2] < 0.0 and not runs[0].impulse["friction"].any()
+    assert np.array_equal(*(run.state["plate"].velocity for run in runs))
+
+
 @needs_hdf5
 def test_a_restart_under_a_small_sphere_has_the_same_bits(tmp_path):
     scene = plate((0.03, 0.11))

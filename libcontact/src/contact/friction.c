@@ -217,13 +217,14 @@ static ct_interaction describe(const ct_friction *data, const ct_interaction *on
   double bytes = 2.0 * sizeof(double) * ct_slip_count(data->other_nodes) + sizeof(ct_point) +
                  2.0 * sizeof(ct_slip_record),
          points = (double)data->points;
+  const int64_t rows = ((const ct_contact_fixed *)on)->gaps.point_count; // also of stations
   return (ct_interaction){.calls = &CALLS,
                           .nodes = on->nodes,
                           .node_count = on->node_count,
                           .on = on,
-                          .row_count = data->explicit ? data->points : 0,
+                          .row_count = data->explicit ? rows : 0,
                           .row_nodes = on->row_nodes,
-                          .slip_count = data->points,
+                          .slip_count = rows,
                           .memory_count = CT_FRICTION_RECORD * data->points + CT_FRICTION_TAIL,
                           .point_memory = CT_FRICTION_RECORD,
                           .flops = (data->rigid ? 225.0 : 750.0) * points,
