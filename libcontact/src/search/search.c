@@ -101,29 +101,6 @@ static ct_status measure(ct_search *search, int body, ct_error *error)
   return CT_OK;
 }
 
-ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error)
-{
-  ct_status status = check_surface(surface, body, error);
-  if (status != CT_OK) return status;
-  ct_search *search = ct_allocate(1, sizeof *search);
-  if (search == NULL) return CT_NO_MEMORY(error, "a surface");
-  search->kind = surface->kind;
-  search->per = ct_face_node_count(surface->kind);
-  search->edges = surface->kind == CT_Q4 || surface->kind == CT_Q8 ? 4 : 3;
-  search->face_count = surface->face_count;
-  search->host_count = surface->node_count;
-  if (allocate(search, surface) != CT_OK) {
-    status = CT_NO_MEMORY(error, "a surface");
-  } else {
-    find_neighbours(search);
-    status = ct_search_set(search, surface->reference, body, error);
-  }
-  if (status == CT_OK) status = measure(search, body, error);
-  if (status == CT_OK) *out = search;
-  else ct_search_free(search);
-  return status;
-}
-
 ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
                           ct_error *error)
 {
@@ -137,12 +114,6 @@ ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const d
                        "xyz"[c], (int)search->nodes[n], body,
                        x[3 * (int64_t)(nodes == NULL ? n : nodes[n]) + c], CT_LARGEST_LENGTH);
   return CT_OK;
-}
-
-void ct_search_place(ct_search *search, const double *host)
-{
-  for (int32_t n = 0; n < search->node_count; n++)
-    memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
 }
 
 /* Boxes of quadrilaterals of four nodes. The number behind a node has no meaning. */
@@ -182,13 +153,38 @@ void ct_search_box(ct_search *search)
   }
 }
 
-ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
+/* Check and copy the host's coordinates, and compute the boxes of the faces. */
+static ct_status set(ct_search *search, const double *host, int body, ct_error *error)
 {
   ct_status status = ct_search_check(search, search->nodes, host, body, error);
   if (status != CT_OK) return status;
-  ct_search_place(search, host);
+  for (int32_t n = 0; n < search->node_count; n++)
+    memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
   ct_search_box(search);
   return CT_OK;
+}
+
+ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error)
+{
+  ct_status status = check_surface(surface, body, error);
+  if (status != CT_OK) return status;
+  ct_search *search = ct_allocate(1, sizeof *search);
+  if (search == NULL) return CT_NO_MEMORY(error, "a surface");
+  search->kind = surface->kind;
+  search->per = ct_face_node_count(surface->kind);
+  search->edges = surface->kind == CT_Q4 || surface->kind == CT_Q8 ? 4 : 3;
+  search->face_count = surface->face_count;
+  search->host_count = surface->node_count;
+  if (allocate(search, surface) != CT_OK) {
+    status = CT_NO_MEMORY(error, "a surface");
+  } else {
+    find_neighbours(search);
+    status = set(search, surface->reference, body, error);
+  }
+  if (status == CT_OK) status = measure(search, body, error);
+  if (status == CT_OK) *out = search;
+  else ct_search_free(search);
+  return status;
 }
 
 void ct_search_refit(ct_search *search)
@@ -282,7 +278,7 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
 ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
 {
   if (search == NULL || x == NULL) return CT_REFUSE_NULL(error);
-  ct_status status = ct_search_set(search, x, 0, error);
+  ct_status status = set(search, x, 0, error);
   if (status == CT_OK) ct_search_refit(search);
   return status;
 }

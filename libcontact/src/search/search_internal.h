@@ -40,14 +40,8 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
 ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
                           ct_error *error);
 
-/* Copy the host's coordinates, which were checked. */
-void ct_search_place(ct_search *search, const double *host);
-
 /* Compute the boxes of the faces at these coordinates. */
 void ct_search_box(ct_search *search);
-
-/* Both. */
-ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error);
 
 /* Update the tree for the boxes. */
 void ct_search_refit(ct_search *search);
