@@ -361,7 +361,8 @@ static void move_along(int32_t count, const int32_t *place, const double *mobili
   }
 }
 
-void ct_matrix_project(const ct_solver *s)
+/* Mobilities of the nodes along the one normal of all rows, as fourth components. */
+static void project_mobilities(const ct_solver *s)
 {
   const double *n = s->normal;
   for (int32_t k = 0; k < s->active_node_count; k++) {
@@ -468,7 +469,7 @@ int ct_matrix_bound(ct_solver *s, int64_t from, double *out)
   if (s->bodies != NULL)
     ct_bodies_move_sizes(s->bodies, s->active_node_count, s->active_nodes, s->moved);
   ct_times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
-  if (s->along) ct_matrix_project(s);
+  if (s->along) project_mobilities(s);
   return 1;
 }
 

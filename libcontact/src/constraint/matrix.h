@@ -59,9 +59,6 @@ void ct_matrix_join(const ct_solver *solver, int first, int some, double *sums, 
 void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place, double *sums,
                     double *moved);
 
-/* Mobilities of the nodes along the one normal of all rows, as fourth components. */
-void ct_matrix_project(const ct_solver *solver);
-
 /* An upper bound of Σ_k |W_jk| of each active row j, over the rows k from those of a group on, the
  * first being 0 (eq:constraint-bound). Returns 0 if it is not finite. */
 int ct_matrix_bound(ct_solver *solver, int64_t from, double *out);

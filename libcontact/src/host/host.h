@@ -71,9 +71,6 @@ ct_surface_motion ct_host_motion(const ct_host *host, const ct_host_part *part,
 /* Energies of all parts, after the forces are known. */
 void ct_host_find_energy(ct_host *host);
 
-/* Obstacle `number`; null: there is none. */
-const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number);
-
 /* ``CT_ERROR_ARGUMENT`` if the forces do not belong to a step. */
 ct_status ct_host_check_current(const ct_contact *contact, ct_error *error);
 

@@ -23,7 +23,8 @@ ct_status ct_host_check_current(const ct_contact *contact, ct_error *error)
 
 static int is_obstacle(const ct_host_part *part) { return part->is->on == NULL; }
 
-const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
+/* Obstacle `number`; null: there is none. */
+static const ct_host_part *find_obstacle(const ct_contact *contact, int32_t number)
 {
   const ct_host_part *part = contact->host == NULL ? NULL : contact->host->contact.next;
   for (; part != NULL; part = part->next)
@@ -95,7 +96,7 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
   if (status != CT_OK) return status;
   const ct_host *h = ct_host_of(contact);
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
-  const ct_host_part *what = on < 0 ? &h->contact : ct_host_obstacle(contact, on);
+  const ct_host_part *what = on < 0 ? &h->contact : find_obstacle(contact, on);
   if (on < -1 || what == NULL || (on == -1 && contact->fixed->gaps.alone))
     return CT_REFUSE(error,
                      "friction: there is nothing to slide on at %d; give the number of an "
@@ -171,7 +172,7 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
 static const ct_host_part *stepped(const ct_contact *contact, int32_t obstacle, const void *out,
                                    ct_status *status, ct_error *error)
 {
-  const ct_host_part *part = contact == NULL ? NULL : ct_host_obstacle(contact, obstacle);
+  const ct_host_part *part = contact == NULL ? NULL : find_obstacle(contact, obstacle);
   if (contact == NULL || out == NULL)
     *status = CT_REFUSE(error, "contact: a required argument is null");
   else if (part == NULL)
@@ -231,7 +232,7 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
                               double *area, ct_error *error)
 {
   const ct_host_part *obstacle =
-      contact == NULL || side < 2 ? NULL : ct_host_obstacle(contact, side - 2);
+      contact == NULL || side < 2 ? NULL : find_obstacle(contact, side - 2);
   if (obstacle != NULL && traction != NULL && area != NULL && contact->host->current)
     return obstacle_traction(contact, obstacle, traction, area, error);
   if (contact == NULL || traction == NULL || area == NULL) return CT_REFUSE_NULL(error);
