@@ -24,17 +24,8 @@ typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8), may_alias)
 /* Components of vectors at four nodes, as x, y and z of all. */
 CT_INLINE void turn_nodes(const double *const at[4], ct_quad *out)
 {
-#if CT_ROWS
-  const ct_quad a = *(const ct_quad *)at[0], b = *(const ct_quad *)at[1],
-                c = *(const ct_quad *)at[2], d = *(const ct_quad *)at[3];
-  const ct_quad low = CT_PICK(a, b, 0, 4, 2, 6), low2 = CT_PICK(c, d, 0, 4, 2, 6);
-  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
-  out[1] = CT_PICK(CT_PICK(a, b, 1, 5, 3, 7), CT_PICK(c, d, 1, 5, 3, 7), 0, 1, 4, 5);
-  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
-#else
-  for (int l = 0; l < 4; l++)
-    for (int i = 0; i < 3; i++) ((double *)out)[4 * i + l] = at[l][i];
-#endif
+  double *v = (double *)out, unused[4];
+  ct_turn(at, (double *const[4]){v, v + 4, v + 8, unused});
 }
 
 /* Fourth components of vectors at four nodes. */
@@ -47,19 +38,11 @@ CT_INLINE void take_fourth(const double *const at[4], ct_quad *out)
 /* The reverse of turn_nodes. */
 CT_INLINE void turn_back(const ct_quad *v, ct_quad *out)
 {
-#if CT_ROWS
-  const ct_quad none = {0.0}, low = CT_PICK(v[0], v[1], 0, 4, 2, 6),
-                high = CT_PICK(v[0], v[1], 1, 5, 3, 7), low2 = CT_PICK(v[2], none, 0, 4, 2, 6),
-                high2 = CT_PICK(v[2], none, 1, 5, 3, 7);
-  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
-  out[1] = CT_PICK(high, high2, 0, 1, 4, 5);
-  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
-  out[3] = CT_PICK(high, high2, 2, 3, 6, 7);
-#else
-  for (int l = 0; l < 4; l++)
-    for (int i = 0; i < WIDE; i++)
-      ((double *)out)[WIDE * l + i] = i < 3 ? ((const double *)v)[4 * i + l] : 0.0;
-#endif
+  static const double none[4] = {0.0};
+  const double *from = (const double *)v;
+  double *to = (double *)out;
+  ct_turn((const double *const[4]){from, from + 4, from + 8, none},
+          (double *const[4]){to, to + WIDE, to + 2 * WIDE, to + 3 * WIDE});
 }
 
 /* Sums over the lanes of four quads: (0 + 1) + (2 + 3) of each. */
