@@ -169,7 +169,7 @@ static int meet(const ct_contact *contact, int64_t i, int first)
     point->d[c] = -point->row.gap * point->outward[c];
     point->row.normal[c] = point->outward[c];
   }
-  point->jumped = !first && !was && point->row.gap < 0.0;
+  point->jumped = !first && !was && point->row.gap < 0.0 ? CT_POINT_JUMPED : CT_POINT_NO_JUMP;
   point->row.gap = ct_side_gap(&contact->gaps.side[0], point->row.gap);
   if (!has_passed(contact, i)) return !isnan(point->d[0]);
   point->other = -1;

@@ -172,7 +172,7 @@ static void meet(station *s, double motion, int first, ct_point *p)
   keep(s, p, &found, gap, n);
   p->status = distance < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   // -- A gap that the motion does not explain (eq:admitted)
-  p->jumped = !first && gap < 0.0 && (!was || !(fabs(gap - known) <= motion));
+  if (!first && gap < 0.0 && (!was || !(fabs(gap - known) <= motion))) p->jumped = CT_POINT_JUMPED;
 }
 
 /* Positions along the axis: about the mean of the surface's nodes (eq:station-axis). */
@@ -204,7 +204,7 @@ void ct_stations_meet(ct_contact *contact, double motion, int first)
     station now = {.contact = contact, .search = search};
     const double along = middle + ((double)i - 0.5 * (double)(count - 1)) * data->station_spacing;
     for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * contact->direction[c];
-    p->jumped = 0;
+    p->jumped = CT_POINT_NO_JUMP;
     if (ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
       lose(p, CT_POINT_NEW);
       continue;
