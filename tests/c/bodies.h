@@ -85,6 +85,7 @@ static inline void free_pending(void)
     pending.list[pending.count].free_one(pending.list[pending.count].what);
   }
   free(pending.list);
+  pending.list = NULL;
 }
 
 static inline void free_at_end(void) { pending.at_end = atexit(free_pending) == 0; }
@@ -122,6 +123,7 @@ LATER(state)
 LATER(effect)
 LATER(contact)
 LATER(monitor)
+LATER(probes)
 
 static inline void *room(int64_t count, size_t size)
 {

@@ -63,12 +63,6 @@ static rig make(void)
   return r;
 }
 
-static void unmake(rig *r)
-{
-  ct_scene_free(r->scene);
-  for (int i = 0; i < 2; i++) ct_mesh_free(r->mesh[i]);
-}
-
 static void when_it_is_called(void)
 {
   rig r = make();
@@ -90,9 +84,6 @@ static void when_it_is_called(void)
              largest_difference(plain->velocity, state->velocity, 3 * plain->node_count) == 0 &&
              largest_difference(plain->work, state->work, plain->work_count) == 0,
          "with elements that sleep and wake: the same bits as without observers");
-  ct_state_free(plain);
-  ct_state_free(state);
-  unmake(&r);
 }
 
 static void with_the_others(void)
@@ -123,10 +114,8 @@ static void with_the_others(void)
   need(ct_probes_history(probes, 0, &rows, NULL), NULL);
   tap_ok(state->step == 40 && rows.row_count == 40 && ct_monitor_good(monitor)->step == 40,
          "and the run goes on from there");
-  ct_monitor_free(monitor);
-  ct_probes_free(probes);
-  ct_state_free(state);
-  unmake(&r);
+  later_monitor(monitor);
+  later_probes(probes);
 }
 
 static ct_status refuse(void *data, const ct_problem *problem, ct_state *state, int64_t count,
@@ -155,8 +144,6 @@ static void arguments(void)
          "an error of prepare without a text: no step is taken, and none is made up");
   tap_ok(ct_run(r.problem, state, 2, &none, 1, &e) == CT_OK && state->step == 2,
          "an observer may have no call that applies");
-  ct_state_free(state);
-  unmake(&r);
 }
 
 static void no_memory(void)
@@ -169,17 +156,17 @@ static void no_memory(void)
   long calls = counted.calls;
   must(ct_run, r.problem, state, 40, &by, 1);
   tap_ok(counted.calls == calls && own.checks == 40, "40 steps with 20 checks allocate nothing");
-  ct_state_free(state);
-  unmake(&r);
 }
 
 int main(void)
 {
   ct_set_allocator(&COUNTING, NULL);
+  free_at_end();
   when_it_is_called();
   with_the_others();
   arguments();
   no_memory();
+  free_pending();
   tap_ok(counted.blocks == 0, "all memory is freed");
   return tap_done();
 }

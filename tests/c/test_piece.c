@@ -150,7 +150,7 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
         alike += same;
         if (how == 0 && pieces == MOST_PIECES)
           most = fmax(most, (double)of[k].counts.elements / (double)all_elements(problem));
-        ct_state_free(of[k].whole);
+        free_state(of[k].whole);
       }
       free(with.total);
     }
@@ -158,10 +158,6 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
          "%s: %d steps, %d of %d pieces with the bits of the whole; of four, one computes %.0f %% "
          "of the elements",
          name, (int)steps, alike, runs, 100.0 * most);
-  ct_state_free(after);
-  ct_state_free(end);
-  ct_state_free(start);
-  free_all(owners, at, owner);
 }
 
 static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement)
@@ -179,8 +175,6 @@ static void touching(pair p, const char *name, ct_enforcement enforcement, doubl
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
   same_bits(name, problem, steps);
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* Contact, friction and obstacles, of which the first body is rigid. */
@@ -194,8 +188,6 @@ static void rigid(pair p, const char *name, ct_enforcement enforcement, double e
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
   same_bits(name, problem, steps);
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* Two bodies of unlike meshes, of which one moves, tied at the faces of their contact. */
@@ -218,8 +210,6 @@ static void tied(pair p, const char *name, double end)
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
   same_bits(name, problem, steps);
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* A body with everything that acts on nodes or elements. */
@@ -231,7 +221,7 @@ static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, 
   int32_t *to = integers(straight->node_count);
   if (kernel == CT_KERNEL_GENERAL) distort_inside(straight, 0.02);
   if (shuffled) m = shuffle_mesh(straight, to);
-  else must(ct_mesh_create_copy, straight, &m);
+  else m = copy_mesh(straight);
   double *v = numbers(3 * m->node_count);
   for (int n = 0; n < m->node_count; n++) {
     const double *x = &m->nodes[3 * n];
@@ -271,10 +261,6 @@ static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, 
   const ct_problem *problem = build(
       scene, (ct_scene_time){.end = 0.2, .fraction = 0.7, .integrator = integrator}, &steps, NULL);
   same_bits(name, problem, steps < 60 ? steps : 60);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
-  ct_mesh_free(straight);
-  free_all(to, v, faces);
 }
 
 /* Joins and messages of a piece that is alone. */
@@ -310,7 +296,6 @@ static void borders(const ct_problem *problem, const int32_t *owners)
              c[1].received == 16 && c[0].sent == 16 && c[0].neighbours == 1,
          "two halves of a bar: %d and %d nodes, %d and %d elements, %d received", (int)c[0].nodes,
          (int)c[1].nodes, (int)c[0].elements, (int)c[1].elements, (int)c[0].received);
-  ct_state_free(start);
 }
 
 /* The cut by coordinates: each piece of a box has its part of the elements to within one, or of
@@ -347,8 +332,6 @@ static void bisection(void)
              ct_piece_bisect(problem, 0, NULL, owners, &e) == CT_ERROR_ARGUMENT &&
              ct_piece_bisect(NULL, 2, NULL, owners, &e) == CT_ERROR_ARGUMENT,
          "a weight of 0, no pieces, null: %s", e.text);
-  free_all(owners, weight);
-  close_run(NULL, scene, m);
 }
 
 /* The edges of a cube of n cells a side differ by rounding, which does not choose where it is cut:
@@ -366,8 +349,6 @@ static void cubes(void)
     for (int64_t i = 0; i < all; i++)
       right &= owners[i] == (m->nodes[3 * m->elements[8 * i] + 2] > 0.5 - 1e-9);
     across += right;
-    free_all(owners);
-    close_run(NULL, scene, m);
   }
   tap_ok(across == 6, "%d of 6 cubes are cut across z", across);
 }
@@ -414,11 +395,7 @@ static void refusals(void)
              ct_piece_counts_of(start, &counts, &e) == CT_ERROR_ARGUMENT,
          "a state that is no piece: %s", e.text);
   ct_state_free(piece);
-  ct_state_free(start);
   free(with.total);
-  free(owners);
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* A force of a host on each node, which depends on this node alone. */
@@ -455,10 +432,6 @@ static void host_effects(void)
       tap_ok(ct_state_cut(start, &def, &piece, &e) == CT_ERROR_UNSUPPORTED && piece == NULL &&
                  strstr(e.text, "pull") != NULL,
              "%s: %s", kind == 0 ? "no cut" : "memory without keep", e.text);
-    ct_state_free(start);
-    free(owners);
-    ct_scene_free(scene);
-    free_pair(&p);
   }
 }
 
@@ -485,8 +458,6 @@ static void known_step(void)
     tap_ok(ct_scene_build(scene, &time, &problem, &again, NULL, &e) == CT_ERROR_ARGUMENT, "%s",
            e.text);
   }
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* Errors: the same status in all pieces. */
@@ -513,13 +484,8 @@ static void failures(void)
     run_members(of, 2);
     tap_ok(of[0].status == of[1].status && of[0].status != CT_OK, "%s: %s; and the other: %s",
            NAME[what], of[1].error.text, of[0].error.text);
-    for (int k = 0; k < 2; k++) ct_state_free(of[k].whole);
     free(with.total);
   }
-  ct_state_free(start);
-  free_all(owners, others);
-  ct_scene_free(scene);
-  free_pair(&p);
 }
 
 /* The allocation of this thread that fails; 0: none. */
@@ -575,14 +541,14 @@ static void memory(void)
     for (int k = 0; k < 2; k++) pthread_join(of[k].thread, NULL);
     status = of[1].status;
     wrong += of[0].status != status || (status != CT_OK && status != CT_ERROR_MEMORY);
-    for (int k = 0; k < 2; k++) ct_state_free(of[k].whole);
+    for (int k = 0; k < 2; k++) free_state(of[k].whole);
     free(with.total);
   }
   alarm(0);
   tap_ok(faults > 50 && wrong == 0, "each of %d allocations fails in one piece: both end alike",
          (int)faults - 1);
   close_run(start, scene, NULL);
-  free(owners);
+  free_all(owners);
   free_pair(&p);
   must(ct_set_allocator, NULL);
 }
@@ -590,6 +556,7 @@ static void memory(void)
 int main(void)
 {
   const ct_enforcement solved = CT_ENFORCE_ENERGY_CONTROLLED, given = CT_ENFORCE_PENALTY;
+  free_at_end();
   solid("boxes", CT_HEX8, CT_KERNEL_AUTO, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 0, 0);
   solid("shuffled boxes", CT_HEX8, CT_KERNEL_AUTO, CT_LINEAR, CT_CHUNG_LEE, 1, 0);
   solid("bricks", CT_HEX8, CT_KERNEL_GENERAL, CT_LINEAR, CT_NOH_BATHE, 0, 0);

@@ -26,7 +26,6 @@ static rig make(ct_scheme scheme, int threads, int mirrored)
   add_body(r.scene, "right", r.mesh[1], &SOFT, CT_KERNEL_AUTO, -0.1 * side, 0, 0);
   add_rough_contact(r.scene, 0, r.mesh[0], 0.0, 1, r.mesh[1], 0.01 * side, 0, 10.0, 0.3, 0.0);
   add_support(r.scene, 0, r.mesh[0], 0, -6.0 * side, "x", 0.05 * side);
-  if (mirrored) ct_mesh_free(left), ct_mesh_free(right);
   set_threads(r.scene, threads);
   r.problem = build(
       r.scene,
@@ -37,13 +36,6 @@ static rig make(ct_scheme scheme, int threads, int mirrored)
     if (r.problem->effects[k]->kind == CT_EFFECT_SUPPORT) r.support = k;
   }
   return r;
-}
-
-static void unmake(rig *r)
-{
-  ct_scene_free(r->scene);
-  ct_mesh_free(r->mesh[0]);
-  ct_mesh_free(r->mesh[1]);
 }
 
 static int32_t node_at(const rig *r, double x, double y, double z)
@@ -90,7 +82,7 @@ static ct_probes *probe_all(const rig *r, double side, int64_t every)
   def[3].effect_count = 1;
   def[3].take[CT_QUANTITY_FORCE] = 1;
   must(ct_probes_create, r->problem, def, PROBES, &probes);
-  return probes;
+  return later_probes(probes);
 }
 
 static ct_probe_history history_of(const ct_probes *probes, int32_t i)
@@ -165,14 +157,6 @@ static void rows_are_what_a_host_sees(ct_scheme scheme)
   tap_ok(bad == 0, "motion and stress have the bits of the state at every step");
   tap_ok(top > 1e-3, "and there is contact (force up to %g)", top);
   tap_close(off, 0.0, 1e-13 * top, "resultants are the sums of the forces, added by hand");
-  free(v);
-  for (int k = 0; k < 3; k++) free(force[k]);
-  free(stress);
-  ct_probes_free(probes);
-  ct_state_free(probed);
-  ct_state_free(plain);
-  ct_state_free(hand);
-  unmake(&r);
 }
 
 /* The rows of a run that is split into series of steps, as by a monitor. */
@@ -185,6 +169,7 @@ static void monitor_takes_the_same_rows(void)
   ct_monitor *monitor = NULL;
   options.every = 7;
   must(ct_monitor_create, r.problem, other, &options, &monitor);
+  later_monitor(monitor);
   const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
   must(ct_run, one->problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1);
   must(ct_run, other->problem, other, STEPS / 2, both, 2);
@@ -204,11 +189,6 @@ static void monitor_takes_the_same_rows(void)
   tap_ok(back == 35 && b.row_count == back + 1 &&
              largest_difference(a.rows, b.rows, b.row_count * b.width) == 0.0,
          "from a copy of an earlier state: the later rows are dropped and recorded again");
-  ct_monitor_free(monitor);
-  for (int i = 0; i < 2; i++) ct_probes_free(probes[i]);
-  ct_state_free(one);
-  ct_state_free(other);
-  unmake(&r);
 }
 
 /* Probes that begin when the sleeping elements are known already, as after a restart. */
@@ -224,21 +204,20 @@ static void late_probes_take_the_same_rows(void)
   const int64_t begin = 3, more = STEPS - begin;
   def.name = "asleep", def.nodes = &asleep, def.node_count = 1;
   def.take[CT_QUANTITY_DISPLACEMENT] = 1;
-  for (int i = 0; i < 2; i++) must(ct_probes_create, r.problem, &def, 1, &probes[i]);
+  for (int i = 0; i < 2; i++) {
+    must(ct_probes_create, r.problem, &def, 1, &probes[i]);
+    later_probes(probes[i]);
+  }
   must(ct_run, r.problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1);
   must(ct_run, r.problem, other, begin, NULL, 0);
   must(ct_monitor_create, r.problem, other, &options, &monitor);
+  later_monitor(monitor);
   const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
   must(ct_monitor_check, monitor, other);
   must(ct_run, r.problem, other, more, both, 2);
   const ct_probe_history a = history_of(probes[0], 0), b = history_of(probes[1], 0);
   tap_ok(b.row_count == more && same(&a.rows[begin * a.width], b.rows, more * a.width),
          "probes that begin after %d steps: the rows of those that began at once", (int)begin);
-  ct_monitor_free(monitor);
-  for (int i = 0; i < 2; i++) ct_probes_free(probes[i]);
-  ct_state_free(one);
-  ct_state_free(other);
-  unmake(&r);
 }
 
 /* Another number of threads, and the mirror image. */
@@ -252,7 +231,6 @@ static void same_bits_elsewhere(void)
     ct_state *state = new_state(all[i]->problem);
     probes[i] = probe_all(all[i], i == 2 ? -1.0 : 1.0, 1);
     must(ct_run, state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes[i])}, 1);
-    ct_state_free(state);
   }
   ct_probe_history a = history_of(probes[0], 2), b = history_of(probes[1], 2),
                    c = history_of(probes[2], 2);
@@ -263,7 +241,6 @@ static void same_bits_elsewhere(void)
     for (int k = 1; k < 7; k++)
       bad += a.rows[n * 7 + k] != (k == 1 || k > 4 ? -1.0 : 1.0) * c.rows[n * 7 + k];
   tap_ok(bad == 0, "the mirror image: the mirrored numbers, all bits");
-  for (int i = 0; i < 3; i++) ct_probes_free(probes[i]), unmake(all[i]);
 }
 
 /* Memory for the rows is allocated before the steps, one block per probe. */
@@ -289,9 +266,6 @@ static void nothing_is_allocated_in_a_step(void)
   tap_ok(status == CT_ERROR_MEMORY && state->step == 2 * STEPS &&
              history_of(probes, 0).row_count == rows,
          "no memory for rows: no step is taken (%s)", e.text);
-  ct_probes_free(probes);
-  ct_state_free(state);
-  unmake(&r);
 }
 
 static void refusals(void)
@@ -338,9 +312,6 @@ static void refusals(void)
          "there is no second probe");
   ct_probes_free(probes);
   ct_probes_free(NULL);
-  ct_state_free(foreign);
-  unmake(&other);
-  unmake(&r);
 }
 
 /* Rows continue at the same times when the step is divided (eq:step-change). */
@@ -374,14 +345,13 @@ static void a_divided_step_keeps_the_times(void)
     off = worst(off, history.rows[i * history.width] / (2.0 * r.problem->dt) - (double)i);
   tap_ok(history.row_count == 6 && off < 1e-14, "a row every second of the first steps (%g)", off);
   ct_probes_free(probes);
-  ct_state_free(state);
-  ct_state_free(next);
-  unmake(&r);
+  free_state(next); // its problem ends here
 }
 
 int main(void)
 {
   ct_set_allocator(&COUNTING, NULL);
+  free_at_end();
   a_divided_step_keeps_the_times();
   for (int s = 0; s < CT_SCHEME_COUNT; s++) rows_are_what_a_host_sees((ct_scheme)s);
   monitor_takes_the_same_rows();
@@ -389,6 +359,7 @@ int main(void)
   same_bits_elsewhere();
   nothing_is_allocated_in_a_step();
   refusals();
+  free_pending();
   tap_ok(counted.blocks == 0, "all memory is given back (%ld blocks)", counted.blocks);
   return tap_done();
 }
