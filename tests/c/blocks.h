@@ -60,6 +60,32 @@ static inline double *random_displacement(const ct_mesh *m, double amount)
   return u;
 }
 
+/* Rayleigh's quotient of a mesh of which components are held, after many rounds of the power
+ * method: a lower bound on the largest eigenvalue, which it finally reaches. */
+static inline double block_quotient(const block *solid, const ct_mesh *m, double density,
+                                    const int held[3], int rounds)
+{
+  int n = 3 * m->node_count;
+  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
+         quotient = 0.0;
+  must(ct_mass_lumped, m, density, CT_LUMP_DEFAULT, mass);
+  for (int k = 0; k < rounds; k++) {
+    double work = 0.0, kinetic = 0.0;
+    for (int i = 0; i < n; i++) v[i] = held[i % 3] ? 0.0 : v[i];
+    double top = largest(v, n);
+    for (int i = 0; i < n; i++) v[i] /= top;
+    block_force(solid, v, f);
+    for (int i = 0; i < n; i++) {
+      if (held[i % 3]) continue;
+      work -= f[i] * v[i];
+      kinetic += mass[i / 3] * v[i] * v[i];
+      v[i] = -f[i] / mass[i / 3];
+    }
+    quotient = work / kinetic;
+  }
+  return quotient;
+}
+
 /* Forces and energy of all elements by the readable form, added up node by node. */
 static inline double reference_force(const ct_mesh *m, const ct_material *material, const double *u,
                                      double *f)

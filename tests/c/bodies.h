@@ -663,6 +663,15 @@ static inline const ct_problem *build_until(ct_scene *scene, double end, double 
   return build(scene, (ct_scene_time){.end = end, .fraction = fraction}, NULL, NULL);
 }
 
+/* The same with an integrator. */
+static inline const ct_problem *build_by(ct_scheme scheme, ct_scene *scene, double end,
+                                         double fraction, int64_t *steps)
+{
+  const ct_integrator integrator = ct_integrator_default(scheme);
+  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .integrator = integrator},
+               steps, NULL);
+}
+
 static inline ct_state *new_state(const ct_problem *problem)
 {
   ct_state *state = NULL;

@@ -133,10 +133,7 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
   for (int b = 0; b < 2; b++)
     add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
-  t.problem = build(
-      t.scene,
-      (ct_scene_time){.end = 1e-6, .fraction = 0.8, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  t.problem = build_by(scheme, t.scene, 1e-6, 0.8, NULL);
   for (int n = 0; n < t.problem->node_count; n++) t.moving += 0.5 * t.problem->mass[n] * v * v;
   // Half the penalty at the points of each side, whose weights sum to the area.
   t.stored = 0.5 * beta * STEEL.young / edge * lap * lap * 0.25 * width;

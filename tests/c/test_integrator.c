@@ -264,10 +264,7 @@ static void free_fall(ct_scheme scheme)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("stone", m, &SOFT, CT_KERNEL_AUTO, 0.5, 0, 2);
   add_weight(scene, (weight){.g = {0, 0, -3}});
-  const ct_problem *p = build(
-      scene,
-      (ct_scene_time){.end = 1.0, .fraction = 0.9, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  const ct_problem *p = build_by(scheme, scene, 1.0, 0.9, NULL);
   ct_state *state = new_state(p);
   double off = 0.0, fast = 0.0, v[24];
   for (int64_t n = 0; n < 20; n++) {
@@ -293,10 +290,7 @@ static void pressed_start(ct_scheme scheme, double beta)
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
   ct_contact_options options = ct_contact_options_default();
   add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, beta, options, 0.0, 1.0);
-  const ct_problem *p = build(
-      scene,
-      (ct_scene_time){.end = 1.0, .fraction = 0.9, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  const ct_problem *p = build_by(scheme, scene, 1.0, 0.9, NULL);
   ct_state *state = new_state(p);
   double *v = numbers(3 * p->node_count), *force = numbers(3 * p->node_count);
   must(ct_state_velocity, p, state, v);
@@ -481,10 +475,7 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
                           .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL),
                           .faces = faces};
   add_made(scene, ct_obstacle_create_effect, &wall);
-  ct_problem q = *build(
-      scene,
-      (ct_scene_time){.end = 1.4, .fraction = 0.5, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  ct_problem q = *build_by(scheme, scene, 1.4, 0.5, NULL);
   // Omega of a bar with a penalty of one element's stiffness at its end (eq:step-bar with half of
   // it), c = 30, h = 0.1.
   q.dt = 0.9 * ct_integrator_limit(&q.integrator) / (300.0 * sqrt(2.0 + 2.0 * sqrt(2.0)));

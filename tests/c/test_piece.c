@@ -257,9 +257,7 @@ static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, 
   viscosity.linear = 0.06, viscosity.quadratic = 1.2;
   if (kind == CT_HEX8 && law == CT_LINEAR) add_made(scene, ct_viscosity_create_effect, &viscosity);
   int64_t steps;
-  const ct_integrator integrator = ct_integrator_default(scheme);
-  const ct_problem *problem = build(
-      scene, (ct_scene_time){.end = 0.2, .fraction = 0.7, .integrator = integrator}, &steps, NULL);
+  const ct_problem *problem = build_by(scheme, scene, 0.2, 0.7, &steps);
   same_bits(name, problem, steps < 60 ? steps : 60);
 }
 

@@ -27,10 +27,7 @@ static rig make(ct_scheme scheme, int threads, int mirrored)
   add_rough_contact(r.scene, 0, r.mesh[0], 0.0, 1, r.mesh[1], 0.01 * side, 0, 10.0, 0.3, 0.0);
   add_support(r.scene, 0, r.mesh[0], 0, -6.0 * side, "x", 0.05 * side);
   set_threads(r.scene, threads);
-  r.problem = build(
-      r.scene,
-      (ct_scene_time){.end = 8.0, .fraction = 0.4, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  r.problem = build_by(scheme, r.scene, 8.0, 0.4, NULL);
   for (int32_t k = 0; k < r.problem->effect_count; k++) {
     if (r.problem->effects[k]->kind == CT_EFFECT_CONTACT) r.contact = k;
     if (r.problem->effects[k]->kind == CT_EFFECT_SUPPORT) r.support = k;

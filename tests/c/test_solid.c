@@ -403,21 +403,8 @@ static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char 
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 4, 4, 4, 4, 4, 4);
   if (kernel != CT_KERNEL_BOX) distort(m, kind == CT_HEX8 ? 0.1 : 0.04);
   block solid = open_block(m, &SOFT, kernel);
-  int n = 3 * m->node_count;
-  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
-         quotient = 0.0, bound = block_frequency(&solid);
-  must(ct_mass_lumped, m, SOFT.density, CT_LUMP_DEFAULT, mass);
-  for (int k = 0; k < 400; k++) {
-    double top = largest(v, n), work = 0.0, kinetic = 0.0;
-    for (int i = 0; i < n; i++) v[i] /= top;
-    block_force(&solid, v, f);
-    for (int i = 0; i < n; i++) {
-      work -= f[i] * v[i];
-      kinetic += mass[i / 3] * v[i] * v[i];
-      v[i] = -f[i] / mass[i / 3];
-    }
-    quotient = work / kinetic;
-  }
+  const double bound = block_frequency(&solid),
+               quotient = block_quotient(&solid, m, SOFT.density, (int[3]){0}, 400);
   tap_ok(bound >= quotient && bound < 2.0 * quotient,
          "%s: bound of omega^2 is %.4f of the mesh's own", name, bound / quotient);
 }

@@ -12,32 +12,6 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
       .mesh = m, .material = *material, .kernel = kernel, .fixed = {held[0], held[1], held[2]}});
 }
 
-/* Rayleigh's quotient of the whole after many rounds of the power method: a lower bound on the
- * largest eigenvalue, which it finally reaches. */
-static double whole(const ct_mesh *m, const ct_material *material, const block *solid,
-                    const int held[3])
-{
-  int n = 3 * m->node_count;
-  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
-         quotient = 0.0;
-  must(ct_mass_lumped, m, material->density, CT_LUMP_DEFAULT, mass);
-  for (int k = 0; k < 1500; k++) {
-    double work = 0.0, kinetic = 0.0;
-    for (int i = 0; i < n; i++) v[i] = held[i % 3] ? 0.0 : v[i];
-    double top = largest(v, n);
-    for (int i = 0; i < n; i++) v[i] /= top;
-    block_force(solid, v, f);
-    for (int i = 0; i < n; i++) {
-      if (held[i % 3]) continue;
-      work -= f[i] * v[i];
-      kinetic += mass[i / 3] * v[i] * v[i];
-      v[i] = -f[i] / mass[i / 3];
-    }
-    quotient = work / kinetic;
-  }
-  return quotient;
-}
-
 /* Reported over true step of boxes of many sizes and shapes (eq:block-bound, eq:block-fold). */
 static void sharpness(ct_solid_kernel kernel, const char *name)
 {
@@ -53,7 +27,8 @@ static void sharpness(ct_solid_kernel kernel, const char *name)
       ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, n[0] * EDGE[s][0], n[1] * EDGE[s][1],
                             n[2] * EDGE[s][2], n[0], n[1], n[2]);
       block solid = open_held(m, &material, kernel, held);
-      double share = sqrt(whole(m, &material, &solid, held) / block_frequency(&solid));
+      double share =
+          sqrt(block_quotient(&solid, m, material.density, held, 1500) / block_frequency(&solid));
       least = fmin(least, share);
       most = fmax(most, share);
     }
@@ -72,7 +47,8 @@ static void held_components(void)
     n[axis] = 1;
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, n[0], n[1], n[2], n[0], n[1], n[2]);
     block solid = open_held(m, &material, CT_KERNEL_AUTO, held);
-    double share = sqrt(whole(m, &material, &solid, held) / block_frequency(&solid));
+    double share =
+        sqrt(block_quotient(&solid, m, material.density, held, 1500) / block_frequency(&solid));
     least = fmin(least, share);
     most = fmax(most, share);
   }
@@ -95,7 +71,8 @@ static void held_components(void)
   int none[3] = {0, 0, 0};
   block unheld = open_held(m, &material, CT_KERNEL_AUTO, none);
   solid = open_held(m, &material, CT_KERNEL_AUTO, bar);
-  double share = sqrt(whole(m, &material, &solid, bar) / block_frequency(&solid));
+  double share =
+      sqrt(block_quotient(&solid, m, material.density, bar, 1500) / block_frequency(&solid));
   tap_ok(block_frequency(&solid) < 0.9 * block_frequency(&unheld) && share <= 1.0,
          "a distorted one, by its elements, fixed on its sides: %.4f", share);
 }

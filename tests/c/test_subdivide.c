@@ -79,10 +79,7 @@ static void order(ct_scheme scheme)
   distort(m, 0.04);
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
-  ct_problem p = *build(
-      scene,
-      (ct_scene_time){.end = 1.0, .fraction = 0.5, .integrator = ct_integrator_default(scheme)},
-      &steps, NULL);
+  ct_problem p = *build_by(scheme, scene, 1.0, 0.5, &steps);
   int n = 3 * p.node_count;
   double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)},
          error[2][2];
@@ -143,10 +140,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
   add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.3, 0.25);
   add_support(scene, 0, a, 0, -1.0, "y", 0.05);
   add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
-  ct_problem coarse = *build(
-      scene,
-      (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = ct_integrator_default(scheme)},
-      NULL, NULL);
+  ct_problem coarse = *build_by(scheme, scene, 1.0, 0.7, NULL);
   ct_problem fine = with_step(&coarse, coarse.dt / 3.0);
   ct_state *state = new_state(&coarse);
   books start = read_books(&coarse, state), before, after, end;
