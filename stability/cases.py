@@ -396,8 +396,6 @@ def dropped_cube(short: bool) -> Iterator[Row]:
             if not name.startswith("way")
             else f"cube dropped, {name}",
             made,
-            enforcement=DEFAULT,
-            beta=None,
             depth=lowest("cube"),
         )
 
@@ -596,8 +594,6 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
             row = classify(
                 f"mesh distorted by {amount} h",
                 two_blocks(nodes, elements, DEFAULT, None),
-                enforcement=DEFAULT,
-                beta=None,
                 depth=overlap("a", "b", "x_max", "x_min"),
             )
         except (ct.Error, ct.SceneError) as error:
@@ -606,10 +602,10 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
                 f"mesh distorted by {amount} h",
                 DEFAULT,
                 None,
-                *([math.nan] * 2),
+                math.nan,
+                math.nan,
                 0,
-                *([math.nan] * 5),
-                "passes" if refused else type(error).__name__,
+                verdict="passes" if refused else type(error).__name__,
                 note="refused: " + str(error),
             )
         else:
@@ -623,8 +619,6 @@ def aspect_ratio(short: bool) -> Iterator[Row]:
     yield classify(
         "aspect ratio 1000",
         two_blocks(nodes, elements, DEFAULT, None),
-        enforcement=DEFAULT,
-        beta=None,
         depth=overlap("a", "b", "x_max", "x_min"),
     )
 
@@ -637,8 +631,6 @@ def sizes(short: bool) -> Iterator[Row]:
         row = classify(
             f"length {length:g} m",
             two_blocks(nodes, elements, DEFAULT, None, length),
-            enforcement=DEFAULT,
-            beta=None,
             depth=overlap("a", "b", "x_max", "x_min"),
             measure=lambda run, length=length: {
                 "v": float(run.state["b"].velocity[:, 0].mean() / length)
@@ -667,8 +659,6 @@ def last_bit(short: bool) -> Iterator[Row]:
         row = classify(
             "last bit of the input changed" if k else "last bit as given",
             two_blocks(changed, elements, DEFAULT, None),
-            enforcement=DEFAULT,
-            beta=None,
             depth=overlap("a", "b", "x_max", "x_min"),
             measure=lambda run: {"v": float(np.abs(run.state["b"].velocity).mean())},
         )
@@ -691,11 +681,7 @@ def rounding_modes(short: bool) -> Iterator[Row]:
             return
         try:
             row = classify(
-                f"rounding {name}",
-                made,
-                enforcement=DEFAULT,
-                beta=None,
-                momentum=1e-12 if mode == 0 else 4 * steps * 2.0**-53,
+                f"rounding {name}", made, momentum=1e-12 if mode == 0 else 4 * steps * 2.0**-53
             )
         finally:
             libm.fesetround(old)

@@ -11,7 +11,6 @@ import inside
 import numpy as np
 import shapes
 from lab import (
-    DEFAULT,
     ELASTIC,
     GROWTH,
     TOLD,
@@ -97,8 +96,6 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     row = classify(
         case,
         made,
-        enforcement=DEFAULT,
-        beta=None,
         measure=fold,
         whole=fold.verdict,
         may_lose=MAY_LOSE,
@@ -112,9 +109,8 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
         row.verdict = caused(row)
     if row.curve:
         growth, late = growths(row.curve)
-        row.note = (
+        row.remark(
             f"growth {100 * growth:.2g} % of the work, {100 * late:.2g} % above an earlier total, {fold.twice} nodes inside"
-            + (f"; {row.note}" if row.note else "")
         )
     row.curve = {}
 

@@ -41,12 +41,12 @@ class Row:
     courant: float
     fraction: float
     steps: int
-    energy: float
-    lost: float
-    points: float
-    nodes: float
-    momentum: float
-    verdict: str
+    energy: float = np.nan
+    lost: float = np.nan
+    points: float = np.nan
+    nodes: float = np.nan
+    momentum: float = np.nan
+    verdict: str = ""
     held: float = 0.0
     made: float = 0.0
     warned: str = ""
@@ -69,6 +69,10 @@ class Row:
     @property
     def told(self) -> bool:
         return self.verdict.startswith(TOLD)
+
+    def remark(self, text: str) -> None:
+        """Put a text before the note."""
+        self.note = text + (f"; {self.note}" if self.note else "")
 
     def data(self) -> dict[str, Any]:
         return asdict(self)
@@ -184,8 +188,8 @@ def classify(
     case: str,
     made: ct.Scene,
     *,
-    enforcement: str,
-    beta: float | None,
+    enforcement: str = DEFAULT,
+    beta: float | None = None,
     depth: Callable[[ct.Run], float] | None = None,
     scale: float | None = None,
     scale_name: str = "start",
@@ -212,12 +216,6 @@ def classify(
         problem.dt / stable.dt_courant if stable.dt_courant > 0 else np.inf,
         problem.dt / stable.dt_without_contact,
         problem.step_count,
-        np.nan,
-        np.nan,
-        np.nan,
-        np.nan,
-        np.nan,
-        "",
         scale=scale_name,
         note=note,
         expected=expected,

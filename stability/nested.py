@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapes
-from lab import DEFAULT, ELASTIC, Row, classify, material, scene
+from lab import ELASTIC, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -137,8 +137,6 @@ def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
     row = classify(
         case,
         made,
-        enforcement=DEFAULT,
-        beta=None,
         measure=measure,
         whole=whole,
         scale=YOUNG * volume,
@@ -146,9 +144,8 @@ def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
         momentum=np.inf,
     )
     if row.curve:
-        row.note = (
+        row.remark(
             f"starts with {first[0] / (YOUNG * volume):.0e} E V, mean pressure {row.curve['pressure'][-1] / PRESSURE:.5f} of that inside"
-            + (f"; {row.note}" if row.note else "")
         )
     row.curve = {}
     return row

@@ -10,7 +10,7 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, ELASTIC, Row, classify, material, scene
+from lab import ELASTIC, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -185,13 +185,7 @@ def body_pairs(short: bool) -> Iterator[Row]:
         name, made = pair(seed)
         gaps = Gaps()
         row = classify(
-            f"pair of bodies, {seed}",
-            made,
-            enforcement=DEFAULT,
-            beta=None,
-            measure=gaps,
-            whole=gaps.verdict,
-            bound=np.inf,
+            f"pair of bodies, {seed}", made, measure=gaps, whole=gaps.verdict, bound=np.inf
         )
         if row.verdict == "StepTooLarge" and "too stiff" in row.note:
             row.verdict = gaps.wrong() or "passes"

@@ -48,8 +48,6 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
     row = classify(
         case,
         made,
-        enforcement=DEFAULT,
-        beta=None,
         measure=still,
         whole=nothing,
         scale=YOUNG * volume,
@@ -58,9 +56,8 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
         **more,
     )
     if row.curve:
-        row.note = (
+        row.remark(
             f"energy {max(row.curve['energy']) / (YOUNG * volume):.0e} E V, moved {max(row.curve['moved']) / h:.0e} h"
-            + (f"; {row.note}" if row.note else "")
         )
     row.curve = {}
     return row
@@ -158,10 +155,10 @@ def concave_rows(
             case,
             DEFAULT,
             4.0,
-            *([math.nan] * 2),
+            math.nan,
+            math.nan,
             0,
-            *([math.nan] * 5),
-            "passes",
+            verdict="passes",
             note=f"all {refused} meshes refused",
             scale="E V",
         )
@@ -252,8 +249,6 @@ def anyhow_at_rest(short: bool) -> Iterator[Row]:
         yield classify(
             f"at rest, {case}",
             made.set_output(every=1, fields=[]),
-            enforcement=DEFAULT,
-            beta=None,
             scale=scale,
             scale_name="E V",
             momentum_scale=mass * speed,
