@@ -209,6 +209,10 @@ class Form:
     def __init__(self, lines: Lines, file: BinaryIO, groups: Groups):
         self.lines, self.file, self.groups = lines, file, groups
 
+    def entities(self) -> None:
+        """Only version 4.1 has them."""
+        raise self.lines.wrong("version 2.2 has no section $Entities")
+
     def kind(self, number: int) -> str:
         """The kind of elements; those without a name are refused, as their nodes can't be counted."""
         if number not in TYPES:
@@ -218,10 +222,6 @@ class Form:
 
 class Text22(Form):
     """Version 2.2, text: one line per node or element."""
-
-    def entities(self) -> None:
-        """There are none in this version."""
-        raise self.lines.wrong("version 2.2 has no section $Entities")
 
     def nodes(self) -> None:
         (count,) = _counts(self.lines, "$Nodes", 1)
@@ -323,10 +323,6 @@ class Binary(Form):
 
 class Binary22(Binary):
     """Version 2.2, binary."""
-
-    def entities(self) -> None:
-        """There are none in this version."""
-        raise self.lines.wrong("version 2.2 has no section $Entities")
 
     def nodes(self) -> None:
         (count,) = _counts(self.lines, "$Nodes", 1)
