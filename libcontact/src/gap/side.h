@@ -36,7 +36,7 @@ typedef struct ct_point {
                         without `other`, or without a direction */
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
-  int listed;        /* whether the row is listed in this step */
+  int listed; /* whether the row is listed in this step */
   ct_point_jump jumped;
   double last_known; /* `known` of the last step */
   double xi[2];      /* parameters of the closest point on it, or 0 */
