@@ -79,7 +79,7 @@ def test_a_gap_under_a_small_sphere_is_adjusted():
 
 
 def test_friction_with_the_explicit_penalty_leaves_the_station_alone():
-    """Friction acts at points of the faces, between which the sphere is; the row of its station is listed with theirs."""
+    """Friction acts at points of the faces, between which the sphere is; its station has a row, too."""
     runs = []
     for keys in {"friction": 0.3}, {}:
         data = plate((0.03, 0.11), end=4e-4).data
