@@ -178,6 +178,8 @@ static void like_two(ct_face_kind kind)
   for (int s = 0; s < 2; s++) must(ct_contact_traction, two, s, g, area);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
          "%s strip: the tractions at the nodes are, too", KIND[kind]);
+  free_contact(one);
+  free_contact(two);
 }
 
 /* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power
@@ -241,6 +243,7 @@ static void history(ct_face_kind kind)
          largest_difference(f, g, 3 * nodes) / largest(g, 3 * nodes));
   tap_ok(memcmp(g, h, 3 * (size_t)nodes * sizeof *g) == 0,
          "%s strip: the same bits from three threads", KIND[kind]);
+  free_contact(threads);
 }
 
 /* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must
@@ -314,6 +317,7 @@ static void open_jaws(ct_brick_kind kind)
   tap_ok(energy == 0.0, "%s jaws that open do not touch: energy %g", KIND[skin.kind], energy);
   jaws(m, -0.16, x);
   tap_ok(energy_at(contact, x) > 0.0, "%s jaws that close are in contact", KIND[skin.kind]);
+  free_contact(contact);
 }
 
 /* A bar bent to a ring that is almost closed: the body between angle 0 and `angle`, of thickness
@@ -361,6 +365,7 @@ static void c_shape(void)
          got / want - 1.0);
   tap_ok(largest_difference(f, g, 3 * m->node_count) < 1e-12 * largest(g, 3 * m->node_count),
          "and their forces");
+  free_contact(pair);
 }
 
 /* A scene in which the ends of a C fly at each other: the faces of the skin are given twice, and
@@ -547,6 +552,7 @@ static void refusals(void)
              ct_contact_resultant(contact, F, F, NULL, NULL, NULL) == CT_OK,
          "one face alone touches nothing");
   tap_ok(springs_of(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT, "nowhere to write: refused");
+  free_contact(contact);
 }
 
 int main(void)

@@ -126,6 +126,7 @@ static void choice(void)
   must(ct_mesh_create_ring, CT_HEX20, &ring, &round);
   tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL,
          "a ring gets the general one");
+  free_mesh(round);
 }
 
 int main(void)

@@ -370,6 +370,7 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
   }
   tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind],
          LAW[law], faults);
+  free_mesh(m);
 }
 
 static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material,
