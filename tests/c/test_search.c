@@ -234,7 +234,8 @@ static void face_boxes(int k)
 }
 
 /* No place of a bent face is nearer than a distance beyond which it is said to be, and of the faces
- * that are farther by a tenth most are found to be (eq:hull-bound); `k` is a quadrilateral. */
+ * that are farther by a tenth most are found to be (eq:hull-bound, with the directions of
+ * eq:hull-step); `k` is a quadrilateral. */
 static void beyond(int k)
 {
   int wrong = 0, found = 0, trials = 1000;

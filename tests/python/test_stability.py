@@ -25,6 +25,7 @@ MEANT = {"sizes": {"units"}, "contact_and_reference": set()}
 
 @pytest.mark.parametrize("case", cases.CASES, ids=lambda case: case.__name__)
 def test_case(case, monkeypatch):
+    """Each row ends as its case expects; in two of the pairs a gap beside an edge must not jump (eq:beside-gap)."""
     found = set()
 
     def classify(name, made, **more):
