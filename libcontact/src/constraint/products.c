@@ -207,7 +207,7 @@ void ct_times_along(const ct_group *groups, int64_t count, const int32_t *places
   times_groups(ALONG, groups, count, places, G, x, out);
 }
 
-CT_CLONES
+CT_CLONES_NODES
 void ct_times_sizes(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
                     const double *x, double *out)
 {
@@ -346,7 +346,7 @@ void ct_add_along(double coarse, const ct_group *groups, int64_t count, const in
   add_groups(ALONG, coarse, groups, count, places, G, force, sums);
 }
 
-CT_CLONES
+CT_CLONES_NODES
 void ct_add_sizes(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
                   const double *G, const double *force, double *restrict sums)
 {

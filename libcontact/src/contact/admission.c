@@ -89,7 +89,7 @@ static void note(ct_contact *contact, double depth)
 }
 
 /* Limit what a point stores whose gap is not that of its motion. Rare: a clone is not inlined. */
-CT_CLONES
+CT_CLONES_RARE
 static void take_jump(ct_contact *contact, ct_side *side, ct_point *p)
 {
   if (p->jumped == CT_POINT_BESIDE) follow(side, p);
@@ -115,7 +115,7 @@ CT_INLINE void motion_at(int per, const ct_side *side, int32_t face, const doubl
 
 /* Motion of a point of side `s` along its normal since the last update, relative to the place that
  * it meets. */
-CT_CLONES
+CT_CLONES_RARE
 static double motion_along(ct_contact *contact, int s, const ct_point *p)
 {
   const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s),

@@ -191,7 +191,7 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
   return status;
 }
 
-CT_CLONES
+CT_CLONES_RARE
 static void lay_down(const ct_solid_part *part, viscous_lanes *lanes)
 {
   for (int32_t b = 0; b < part->batch_count; b++)

@@ -363,22 +363,12 @@ CT_INLINE double lane_reach(const ct_pass *p, const block *b, int l)
   return reach + 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
 }
 
-/* Find the points to which a face other than the last one may be nearer than the closest point.
- * With a margin for the rounding of positions, so some points are found unnecessarily. */
-CT_INLINE void find_rivals(const ct_pass *p, block *b)
+/* Mark the points of a block to which a face other than the last one may be nearer than the closest
+ * point, by all candidates of their faces. */
+CT_CLONES_NODES
+static void search_rivals(const ct_pass *p, const int32_t *met, const double *distant, block *b)
 {
-  const int32_t *met = &p->side->met[b->number];
-  const double *distant = &p->side->distant[b->number];
-  double at[3 * CT_WARM], most[CT_WARM], least = HUGE_VAL;
-  int32_t others = 0;
-#pragma omp simd reduction(min : least) reduction(| : others)
-  for (int l = 0; l < CT_WARM; l++) {
-    // -- What is left of the distance of all other faces when they were listed (eq:rival-distance)
-    const double left = distant[l] - ct_pass_reached(p, lane_reach(p, b, l));
-    least = left < least ? left : least;
-    others |= met[l] ^ b->target[l];
-  }
-  if (others == 0 && least > 0.0) return;
+  double at[3 * CT_WARM], most[CT_WARM];
   for (int l = 0; l < CT_WARM; l++) {
     const double reach = lane_reach(p, b, l);
     const int alone = met[l] == b->target[l] && distant[l] - ct_pass_reached(p, reach) > 0.0;
@@ -401,6 +391,24 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
         mark_rivals(&g, p->other->search, rival, at, most, b);
     }
   }
+}
+
+/* Find the points to which a face other than the last one may be nearer than the closest point.
+ * With a margin for the rounding of positions, so some points are found unnecessarily. */
+CT_INLINE void find_rivals(const ct_pass *p, block *b)
+{
+  const int32_t *met = &p->side->met[b->number];
+  const double *distant = &p->side->distant[b->number];
+  double least = HUGE_VAL;
+  int32_t others = 0;
+#pragma omp simd reduction(min : least) reduction(| : others)
+  for (int l = 0; l < CT_WARM; l++) {
+    // -- What is left of the distance of all other faces when they were listed (eq:rival-distance)
+    const double left = distant[l] - ct_pass_reached(p, lane_reach(p, b, l));
+    least = left < least ? left : least;
+    others |= met[l] ^ b->target[l];
+  }
+  if (others != 0 || !(least > 0.0)) search_rivals(p, met, distant, b);
 }
 
 /* Whether the closest points are inside their last faces, within the allowed depth, with no other

@@ -164,7 +164,7 @@ CT_INLINE unsigned eliminate(int n, ct_lanes *S)
   return definite;
 }
 
-CT_CLONES
+CT_CLONES_NODES
 unsigned ct_solid_below(const ct_solid_part *part, const ct_mass_shapes *at, int32_t e,
                         const int fixed[3], double omega_squared)
 {

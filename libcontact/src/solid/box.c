@@ -9,7 +9,7 @@
 
 /* Whether the nodes of the elements from `e` on, one per lane, are at the expected places relative
  * to the first one of each. */
-CT_CLONES
+CT_CLONES_RARE
 static int are_alike(const ct_mesh *mesh, int32_t e, double place[20][3], double tolerance)
 {
   int per = ct_brick_node_count(mesh->kind), off = 0;
