@@ -27,11 +27,6 @@ static double c_of(const ct_material *material, int wave)
   return c[wave];
 }
 
-static double dot(const double a[3], const double b[3])
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* A row of masses and springs (eq:dispersion-axis), with both masses and with leapfrog steps
  * (eq:dispersion-leapfrog, eq:dispersion-axis-group). */
 static void closed_form_on_the_axis(void)
@@ -62,57 +57,6 @@ static void closed_form_on_the_axis(void)
   tap_close(off[1], 0.0, 1e-12, "hex8 with consistent mass along an axis, P and S");
   tap_close(off_step, 0.0, 1e-12, "the leapfrog's frequency, and no damping");
   tap_close(off_group, 0.0, 1e-12, "group velocity of both");
-}
-
-/* K(k) and M(k) of hex8 as products of three rows of springs and masses (eq:dispersion-symbols). */
-static void symbols(const ct_dispersion_def *def, const double k[3], double K[3][3], double *mass)
-{
-  double stiff[3], m[3], g[3], young = def->material.young, nu = def->material.poisson;
-  double mu = young / (2.0 * (1.0 + nu)), lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
-  for (int d = 0; d < 3; d++) {
-    double h = def->size[d], q = k[d] * h;
-    stiff[d] = (2.0 - 2.0 * cos(q)) / h, m[d] = h * (2.0 + cos(q)) / 3.0, g[d] = sin(q);
-  }
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) {
-      int a = (i + 1) % 3, b = (i + 2) % 3;
-      if (i != j) K[i][j] = (lambda + mu) * g[i] * g[j] * m[3 - i - j];
-      else
-        K[i][i] = (lambda + 2.0 * mu) * stiff[i] * m[a] * m[b] +
-                  mu * m[i] * (stiff[a] * m[b] + m[a] * stiff[b]);
-    }
-  *mass = def->material.density * (def->mass == CT_MASS_CONSISTENT
-                                       ? m[0] * m[1] * m[2]
-                                       : def->size[0] * def->size[1] * def->size[2]);
-}
-
-static void waves_of_any_direction(void)
-{
-  double off = 0.0, not_orthogonal = 0.0;
-  for (int i = 0; i < 400; i++) {
-    ct_dispersion_def def = waves_of(CT_HEX8, (ct_mass_form)(i % 2));
-    ct_branch b[BRANCHES];
-    double k[3], K[3][3], mass;
-    def.material.poisson = uniform(0.49);
-    for (int d = 0; d < 3; d++) def.size[d] = 1.5 + uniform(1.0), k[d] = uniform(PI) / def.size[d];
-    branches_at(&def, k, b);
-    symbols(&def, k, K, &mass);
-    double scale = mass * b[2].omega_mesh * b[2].omega_mesh;
-    for (int w = 0; w < 3; w++)
-      for (int r = 0; r < 3; r++) {
-        double force = -mass * b[w].omega_mesh * b[w].omega_mesh * b[w].shape[r];
-        for (int c = 0; c < 3; c++) force += K[r][c] * b[w].shape[c];
-        off = worst(off, force / scale);
-      }
-    for (int v = 0; v < 3; v++)
-      for (int w = 0; w <= v; w++) {
-        double brick = def.material.density * def.size[0] * def.size[1] * def.size[2];
-        double product = mass / brick * dot(b[v].shape, b[w].shape);
-        not_orthogonal = worst(not_orthogonal, product - (v == w));
-      }
-  }
-  tap_close(off, 0.0, 1e-13, "hex8 in any direction obeys the products of three rows");
-  tap_close(not_orthogonal, 0.0, 1e-12, "three shapes, orthogonal and scaled");
 }
 
 /* Forces on the nodes in the middle of a patch of 2 x 2 x 2 bricks that moves as a wave, by the
@@ -169,72 +113,8 @@ static void waves_solve_the_mesh(void)
   }
 }
 
-/* c k (1 - C k²h²): C of two wave lengths, extrapolated. */
-static double coefficient(const ct_dispersion_def *def, const double n[3], int branch, double c)
-{
-  double at[2];
-  for (int i = 0; i < 2; i++) {
-    ct_branch b[BRANCHES];
-    double length = 0.05 * (1 + i), k[3] = {length * n[0], length * n[1], length * n[2]};
-    branches_at(def, k, b);
-    at[i] = (1.0 - b[branch].omega / (c * length)) / (length * length);
-  }
-  return (4.0 * at[0] - at[1]) / 3.0;
-}
-
-/* eq:dispersion-long, eq:dispersion-diagonal. */
-static void long_waves(void)
-{
-  static const double AXIS[3] = {1.0, 0.0, 0.0},
-                      DIAGONAL[3] = {0.70710678118654752, 0.70710678118654752, 0.0};
-  const double c1 = c_of(&STEEL, 0), c2 = c_of(&STEEL, 1), ratio = c2 * c2 / (c1 * c1);
-  for (int i = 0; i < 4; i++) {
-    ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
-    const double courant = 0.3 * i;
-    def.step = courant / c1;
-    tap_close(coefficient(&def, AXIS, 2, c1), (1.0 - courant * courant) / 24.0, 1e-6,
-              "hex8 on the axis, Courant %.1f: phase error (1 - Co²)k²h²/24", courant);
-    tap_close(coefficient(&def, DIAGONAL, 2, c1), (7.0 - ratio - 4.0 * courant * courant) / 96.0,
-              1e-6, "hex8 at 45°, Courant %.1f: (7 - (c2/c1)² - 4 Co²)k²h²/96", courant);
-  }
-  ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_CONSISTENT);
-  tap_close(coefficient(&def, AXIS, 2, c1), -1.0 / 24.0, 1e-6, "consistent mass: -k²h²/24");
-  def = waves_of(CT_HEX20, CT_MASS_CONSISTENT);
-  tap_close(coefficient(&def, AXIS, 2, c1), 0.0, 1e-5, "hex20, consistent: no error of this order");
-  // Two lengths tell the order: k⁴h⁴ grows 16 times.
-  ct_branch b[2][BRANCHES];
-  for (int i = 0; i < 2; i++) branches_at(&def, (double[3]){0.4 * (1 + i), 0.0, 0.0}, b[i]);
-  double growth = (b[1][2].omega / (0.8 * c1) - 1.0) / (b[0][2].omega / (0.4 * c1) - 1.0);
-  tap_close(growth, 16.0, 1.6, "hex20, consistent: fourth order");
-}
-
-/* Any direction, k -> 0: one P and two S waves with the speeds of the material. */
-static void isotropic_at_zero(void)
-{
-  double off = 0.0, group = 0.0, polar = 0.0;
-  for (int i = 0; i < 200; i++) {
-    ct_dispersion_def def = waves_of((ct_brick_kind)(i / 2 % 2), (ct_mass_form)(i % 2));
-    ct_branch b[BRANCHES];
-    double n[3], length = 0.0, small = 1e-3, k[3];
-    for (int d = 0; d < 3; d++) def.size[d] = 1.0 + uniform(0.5), n[d] = uniform(1.0);
-    length = sqrt(dot(n, n));
-    for (int d = 0; d < 3; d++) n[d] /= length, k[d] = small * n[d];
-    def.step = 0.1 / c_of(&STEEL, 0);
-    branches_at(&def, k, b);
-    for (int w = 0; w < 3; w++) {
-      double c = c_of(&STEEL, w < 2);
-      off = worst(off, b[w].omega / (small * c) - 1.0);
-      for (int d = 0; d < 3 && w == 2; d++) group = worst(group, b[w].group[d] / c - n[d]);
-    }
-    for (int family = 0; family < branches_of(def.kind) / 3; family++)
-      polar = worst(polar, fabs(dot(&b[2].shape[3 * family], n)) - 1.0);
-  }
-  tap_close(off, 0.0, 3e-6, "long waves run with c1 and c2 in every direction");
-  tap_close(group, 0.0, 3e-5, "and their energy does");
-  tap_close(polar, 0.0, 3e-5, "P waves move along their direction");
-}
-
-/* eq:group-velocity, eq:dispersion-slope: by differences. */
+/* eq:group-velocity, eq:dispersion-slope, eq:dispersion-memory, eq:dispersion-quadratic: by
+ * differences. */
 static void group_is_the_derivative(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
@@ -277,58 +157,6 @@ static void symmetric(void)
     for (int w = 0; w < branches_of(def.kind); w++) off = worst(off, b[w].omega / a[w].omega - 1.0);
   }
   tap_close(off, 0.0, 1e-12, "cubes: mirrored, permuted, a period further, the same frequencies");
-}
-
-/* Coefficients of λ³, λ², λ and 1 as the chapter on integrators writes the polynomials. */
-static void polynomial(const ct_integrator *g, double x, double c[4])
-{
-  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p;
-  double trace = NAN, det = NAN;
-  switch (g->scheme) {
-  case CT_CENTRAL_DIFFERENCE:
-    trace = 2.0 - x, det = 1.0;
-    break;
-  case CT_CHUNG_LEE:
-    c[0] = 1.0, c[1] = p * x - 2.0, c[2] = 1.0 - 2.0 * (p - 1.0) * x, c[3] = (p - 1.0) * x;
-    return;
-  case CT_NOH_BATHE:
-    trace = 2.0 - x + 0.5 * p * p * s * x * x, det = 1.0 - 0.25 * (2.0 * p - 1.0) * s * s * x * x;
-    break;
-  case CT_TCHAMWA_WIELGOSZ:
-    trace = 2.0 - phi * x, det = 1.0 - (phi - 1.0) * x;
-    break;
-  case CT_SCHEME_COUNT:
-    break;
-  }
-  c[0] = 0.0, c[1] = 1.0, c[2] = -trace, c[3] = det;
-}
-
-/* eq:dispersion-stage, eq:dispersion-root, eq:dispersion-memory, eq:dispersion-quadratic. */
-static void integrators_by_their_polynomials(void)
-{
-  for (int scheme = 0; scheme < SCHEMES; scheme++) {
-    ct_integrator integrator = ct_integrator_default((ct_scheme)scheme);
-    double off = 0.0, limit = ct_integrator_limit(&integrator);
-    for (int i = 1; i < 50; i++) {
-      // A row of cubes at k h = π has ω_h = 2 c1 / h: the step chooses Ω.
-      ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
-      ct_branch b[BRANCHES];
-      const double Omega = 0.02 * i * limit, x = Omega * Omega;
-      def.integrator = integrator;
-      def.step = Omega / (2.0 * c_of(&STEEL, 0));
-      branches_at(&def, (double[3]){PI, 0.0, 0.0}, b);
-      double r = exp(-b[2].decay * def.step), re = r * cos(b[2].omega * def.step),
-             im = r * sin(b[2].omega * def.step);
-      double p2 = re * re - im * im, q2 = 2.0 * re * im; // λ²
-      double p3 = p2 * re - q2 * im, q3 = p2 * im + q2 * re;
-      double c[4] = {NAN, NAN, NAN, NAN};
-      polynomial(&integrator, x, c);
-      double real = c[0] * p3 + c[1] * p2 + c[2] * re + c[3],
-             imaginary = c[0] * q3 + c[1] * q2 + c[2] * im;
-      off = worst(off, real / x), off = worst(off, imaginary / x);
-    }
-    tap_close(off, 0.0, 1e-12, "a root of the polynomial of %s", SCHEME(scheme));
-  }
 }
 
 /* -- The front ------------------------------------------------------------------------------- */
@@ -508,13 +336,9 @@ int main(void)
 {
   free_at_end();
   closed_form_on_the_axis();
-  waves_of_any_direction();
   waves_solve_the_mesh();
-  long_waves();
-  isotropic_at_zero();
   group_is_the_derivative();
   symmetric();
-  integrators_by_their_polynomials();
   fronts();
   front_by_airy();
   refusals();
