@@ -641,68 +641,6 @@ static void simplex_steps_by_hand(void)
   ct_project(&face, point, &options, &out, NULL);
   tap_ok(out.status == CT_OK && out.iterations >= 4 * 35 - 1,
          "simplex halves when a vertex has stayed 4 times (%d iterations)", out.iterations);
-}
-
-/* The rolling simplex again, written from the equations of the chapter with values of the shape
- * functions: the start (eq:simplex-start), the highest and the lowest vertex (eq:simplex-high,
- * eq:simplex-low), the centre of the others (eq:simplex-centre), the reflection
- * (eq:simplex-reflection), the age (eq:simplex-age) and the halving (eq:simplex-halving). Returns
- * the lowest vertex after a number of iterations. */
-static void roll(const ct_face *face, const double point[3], int iterations, double lowest[2])
-{
-  double x[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}}, f[3];
-  int age[3] = {0, 0, 0}, l = 0, h = 0;
-  for (int n = 0; n <= iterations; n++) {
-    for (int i = 0; i < 3; i++) {
-      double y[3];
-      ct_segment_point(face, x[i], y);
-      f[i] = 0;
-      for (int k = 0; k < 3; k++) f[i] += (y[k] - point[k]) * (y[k] - point[k]);
-    }
-    for (int i = l = h = 0; i < 3; i++) l = f[i] < f[l] ? i : l, h = f[i] > f[h] ? i : h;
-    for (int a = 0; a < 2; a++) lowest[a] = x[l][a];
-    if (n == iterations) return;
-    int moved = h;
-    double image[2][2], y[3], value = 0;
-    for (int tried = 0; tried < 2; tried++)
-      for (int a = 0; a < 2; a++) {
-        int i = tried == 0 ? h : 3 - h - l;
-        image[tried][a] = x[0][a] + x[1][a] + x[2][a] - 2 * x[i][a];
-      }
-    ct_segment_point(face, image[0], y);
-    for (int k = 0; k < 3; k++) value += (y[k] - point[k]) * (y[k] - point[k]);
-    if (value >= f[h]) moved = 3 - h - l;
-    for (int i = 0; i < 3; i++) age[i]++;
-    for (int a = 0; a < 2; a++) x[moved][a] = image[moved != h][a];
-    age[moved] = 0;
-    // The vertex that has stayed is the lowest one, and may be the moved one.
-    ct_segment_point(face, x[moved], y);
-    f[moved] = 0;
-    for (int k = 0; k < 3; k++) f[moved] += (y[k] - point[k]) * (y[k] - point[k]);
-    for (int i = l = 0; i < 3; i++) l = f[i] < f[l] ? i : l;
-    if (age[l] < 4) continue;
-    for (int i = 0; i < 3; i++)
-      for (int a = 0; a < 2; a++) x[i][a] = 0.5 * (x[i][a] + x[l][a]);
-    for (int i = 0; i < 3; i++) age[i] = 0;
-  }
-}
-
-static void simplex_against_the_equations(void)
-{
-  double off = 0;
-  for (int trial = 0; trial < 50; trial++) {
-    ct_face face = random_face(CT_Q8, 0.2);
-    double point[3] = {uniform(0.8), uniform(0.8), uniform(0.5)}, lowest[2];
-    for (int iterations = 1; iterations <= 24; iterations++) {
-      ct_project_options options = with(CT_SIMPLEX);
-      ct_projection out;
-      options.iteration_limit = iterations;
-      ct_project(&face, point, &options, &out, NULL);
-      roll(&face, point, iterations, lowest);
-      for (int a = 0; a < 2; a++) off = worst(off, out.xi[a] - lowest[a]);
-    }
-  }
-  tap_close(off, 0, 1e-14, "simplex: 24 iterations as the equations of the paper say");
   // m = n (33 + n) / 20 (eq:simplex-age)
   tap_close(20 * ct_simplex_age(2), 70, 1e-13, "a vertex is old after 3.5 iterations");
   tap_close(20 * ct_simplex_age(7), 280, 1e-13, "and in seven dimensions after 14");
@@ -861,7 +799,6 @@ int main(void)
   newton_on_linear_triangles();
   simplex_floor();
   simplex_steps_by_hand();
-  simplex_against_the_equations();
   hard_cases();
   bad_input();
   many_points_are_single_points();

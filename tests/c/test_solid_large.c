@@ -223,64 +223,6 @@ static void small_strain(ct_brick_kind kind, ct_law law)
          off[3], energy_off[3]);
 }
 
-/* Stretch b of the free sides of a bar with the stretch a, and its force P per undeformed area. */
-static void stretched(const ct_material *m, double a, double *b, double *P)
-{
-  double lambda, mu, p, s, E11;
-  ct_material_lame(m, &lambda, &mu);
-  *b = *P = NAN;
-  switch (m->law) {
-  case CT_ST_VENANT_KIRCHHOFF: // S = E E_11 along the bar, and E_22 = -ν E_11
-    E11 = 0.5 * (a - 1.0) * (a + 1.0);
-    *b = sqrt(1.0 - 2.0 * m->poisson * E11);
-    *P = a * m->young * E11;
-    break;
-  case CT_NEO_HOOKEAN: // Λ a² s² + (μ - Λ a) s - μ = 0 for s = b²
-    p = mu - lambda * a, s = 2.0 * mu / (p + sqrt(p * p + 4.0 * lambda * a * a * mu));
-    *b = sqrt(s);
-    *P = mu * (a - 1.0 / a) + lambda * (a * s - 1.0) * s;
-    break;
-  case CT_LINEAR:
-  case CT_LAW_COUNT:
-    break;
-  }
-}
-
-/* Stretch a along x with free sides: the lateral stretch in closed form leaves no lateral stress,
- * and the end force is the closed one. */
-static void uniaxial(ct_brick_kind kind, ct_law law)
-{
-  static const double stretch[5] = {0.6, 0.9, 1.0 + 1e-6, 1.3, 2.0};
-  ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, 1, 2, 2, 2);
-  distort_inside(m, 0.02);
-  ct_material material = soft(law);
-  double lambda, mu, off[2] = {0, 0};
-  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count),
-         *stress = numbers(6 * m->element_count);
-  int32_t *end = integers(m->node_count), count = ct_mesh_plane_nodes(m, 0, 2.0, end);
-  ct_material_lame(&material, &lambda, &mu);
-  block solid = open_block(m, &material, CT_KERNEL_AUTO);
-  for (int k = 0; k < 5; k++) {
-    double a = stretch[k], b, P;
-    stretched(&material, a, &b, &P);
-    for (int i = 0; i < 3 * m->node_count; i++)
-      u[i] = (i % 3 == 0 ? a - 1.0 : b - 1.0) * m->nodes[i];
-    block_force(&solid, u, f);
-    double pull = 0.0;
-    for (int i = 0; i < count; i++) pull -= f[3 * end[i]];
-    off[0] = worst(off[0], pull / P - 1.0);
-    must(ct_solid_stress, m, &material, u, stress);
-    for (int el = 0; el < m->element_count; el++) {
-      off[0] = worst(off[0], stress[6 * el] / (P / (b * b)) - 1.0);
-      for (int c = 1; c < 6; c++)
-        off[1] = worst(off[1], stress[6 * el + c] / fmax(fabs(P), mu * fabs(a - 1.0)));
-    }
-  }
-  tap_ok(off[0] < 1e-9 && off[1] < 1e-9,
-         "%s, %s: stretched by 0.6 to 2, end force and stress off by %.2g, lateral stress %.2g",
-         KIND[kind], LAW[law], off[0], off[1]);
-}
-
 /* A batch of any size against the readable form (eq:large-reference-stress); the order of elements
  * in the mesh, and threads. */
 static void kernels(ct_brick_kind kind, ct_law law)
@@ -559,7 +501,6 @@ int main(void)
       turned(k, law);
       gradients(k, law);
       small_strain(k, law);
-      uniaxial(k, law);
       kernels(k, law);
       mirrored(k, law);
       mirrored_ring(k, law);
