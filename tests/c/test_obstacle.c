@@ -1,5 +1,5 @@
-/* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall,
- * impulse, work of motion, depth, friction, Hertz. */
+/* Rigid obstacles: gaps against closed forms, forces against the energy, work of motion,
+ * depth, friction. */
 #include "../../libcontact/src/contact/obstacle.h"
 #include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"

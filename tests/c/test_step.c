@@ -1,5 +1,4 @@
-/* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability,
- * bars that collide; and equal bits. */
+/* The leapfrog against closed forms: free flight and a vibration; the start; and equal bits. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
