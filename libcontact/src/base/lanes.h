@@ -30,12 +30,14 @@ typedef double ct_lanes, ct_loose;
 
 enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 
-/* Four numbers side by side, unaligned: one vector, or CT_QUAD_PARTS of them. */
+/* Four numbers side by side, unaligned: one vector, or CT_QUAD_PARTS of them; and their bits. */
 #if defined(__GNUC__)
 typedef double ct_quad __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t ct_quad_bits __attribute__((vector_size(32), aligned(8), may_alias));
 enum { CT_QUAD_PARTS = 1 };
 #else
 typedef double ct_quad;
+typedef int64_t ct_quad_bits;
 enum { CT_QUAD_PARTS = 4 };
 #endif
 

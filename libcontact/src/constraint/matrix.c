@@ -15,12 +15,10 @@
 /* Rows that are read at a time: they stay in a cache. */
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, ROWS = 64 };
 
-/* The bits of a quad, and its lanes. */
+/* The lanes of the bits of a quad. */
 #if defined(__GNUC__)
-typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8), may_alias));
 #define LANE(bits, l) (bits)[l]
 #else
-typedef int64_t quad_bits;
 #define LANE(bits, l) (bits)
 #endif
 
@@ -50,7 +48,7 @@ CT_INLINE const ct_quad *normal_of(const ct_constraint *c)
 /* What differs between the groups: bits of normals from that of the first row of all; and the nodes
  * of a group, or where they begin, from those of the last step. */
 typedef struct changes {
-  quad_bits normal;
+  ct_quad_bits normal;
   int nodes, begin;
 } changes;
 
@@ -134,7 +132,7 @@ static double largest_weight(const ct_solver *s)
 
 /* Whether all rows of all pieces have the normal of the first row, which is then stored, as is
  * their largest weight. */
-static int have_one_normal(ct_solver *s, const quad_bits *differ)
+static int have_one_normal(ct_solver *s, const ct_quad_bits *differ)
 {
   const int some = (LANE(*differ, 0) | LANE(*differ, 1) | LANE(*differ, 2)) != 0;
   double most[8] = {some,      -HUGE_VAL, -HUGE_VAL, -HUGE_VAL,
@@ -190,7 +188,7 @@ CT_INLINE int64_t fill_rows(const ct_solver *s, int known, int32_t set, int64_t 
 /* What differs between rows at obstacles and groups: anything, bits of normals, and of weights. */
 typedef struct difference {
   uintptr_t some;
-  quad_bits normal, weight;
+  ct_quad_bits normal, weight;
 } difference;
 
 /* Compare the rows of a group with its nodes and numbers; `again`: they are the points of a face

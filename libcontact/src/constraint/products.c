@@ -15,8 +15,7 @@ typedef enum row_part { FULL, ALONG, SIZES } row_part;
 
 /* |x| of each lane. */
 #if defined(__GNUC__)
-typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8), may_alias));
-#define SIZE_OF(x) ((ct_quad)((quad_bits)(x) & INT64_MAX))
+#define SIZE_OF(x) ((ct_quad)((ct_quad_bits)(x) & INT64_MAX))
 #else
 #define SIZE_OF(x) fabs(x)
 #endif
