@@ -130,31 +130,48 @@ static void directions(void)
   tap_ok(far == 0, "places on the far side");
 }
 
+enum { SQUARES = 30 };
+
+/* Level squares at random places. */
+static void new_squares(int trial, ct_bounds boxes[SQUARES], double x[12 * SQUARES],
+                        int32_t nodes[4 * SQUARES])
+{
+  for (int f = 0; f < SQUARES; f++)
+    for (int c = 0; c < 3; c++) {
+      const double random = 0.5 + 0.5 * sin(1e4 * sin(90.0 * trial + 3.0 * f + c));
+      boxes[f].low[c] = c < 2 ? 2.0 * random - 0.6 : 0.6 * random - 0.4;
+      if (c == 2 && trial % 4 == 3) boxes[f].low[c] -= 0.8;
+      boxes[f].high[c] = boxes[f].low[c] + (c < 2 ? 0.3 : 0.0);
+      for (int a = 0; a < 4; a++) {
+        const int high = c == 0 ? a == 1 || a == 2 : a >= 2;
+        nodes[4 * f + a] = 4 * f + a;
+        x[3 * (4 * f + a) + c] = high ? boxes[f].high[c] : boxes[f].low[c];
+      }
+    }
+}
+
+/* Least distance of a point from the squares but the first. */
+static double nearest_rival(const ct_bounds boxes[SQUARES], const block *b, int l)
+{
+  const double at[3] = {b->points[l], b->points[8 + l], b->points[16 + l]};
+  double least = INFINITY;
+  for (int f = 1; f < SQUARES; f++) least = fmin(least, ct_bounds_distance(&boxes[f], at));
+  return least;
+}
+
 /* Eight points of one face and many squares, those within the skin listed first: the rivals are
  * those of a loop over all squares (eq:warm-lanes, eq:skin); also where the distance of all from
  * the points is known from before a motion of 0.1 (eq:rival-distance). */
 static void rivals(void)
 {
-  enum { FACES = 30 };
   int wrong = 0, found = 0, skipped = 0, trials = 300;
   for (int trial = 0; trial < trials; trial++) {
-    ct_bounds boxes[FACES], grown = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 0.3}};
-    int32_t list[FACES], ends[2] = {0, FACES}, near_end = 0, nodes[4 * FACES];
-    double x[12 * FACES];
-    for (int f = 0; f < FACES; f++)
-      for (int c = 0; c < 3; c++) {
-        const double random = 0.5 + 0.5 * sin(1e4 * sin(90.0 * trial + 3.0 * f + c));
-        boxes[f].low[c] = c < 2 ? 2.0 * random - 0.6 : 0.6 * random - 0.4;
-        if (c == 2 && trial % 4 == 3) boxes[f].low[c] -= 0.8;
-        boxes[f].high[c] = boxes[f].low[c] + (c < 2 ? 0.3 : 0.0);
-        for (int a = 0; a < 4; a++) {
-          const int high = c == 0 ? a == 1 || a == 2 : a >= 2;
-          nodes[4 * f + a] = 4 * f + a;
-          x[3 * (4 * f + a) + c] = high ? boxes[f].high[c] : boxes[f].low[c];
-        }
-      }
+    ct_bounds boxes[SQUARES], grown = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 0.3}};
+    int32_t list[SQUARES], ends[2] = {0, SQUARES}, near_end = 0, nodes[4 * SQUARES];
+    double x[12 * SQUARES];
+    new_squares(trial, boxes, x, nodes);
     for (int pass = 0; pass < 2; pass++)
-      for (int f = 0, next = pass * near_end; f < FACES; f++)
+      for (int f = 0, next = pass * near_end; f < SQUARES; f++)
         if (ct_bounds_apart(&boxes[f], &grown) == pass) list[next++] = f, near_end += !pass;
     ct_search search = {
         .kind = CT_Q4, .per = 4, .edges = 4, .faces = nodes, .x = x, .boxes = boxes};
@@ -176,20 +193,14 @@ static void rivals(void)
         b.points[CT_WARM * c + l] = (c < 2 ? 0.5 : 0.05) * (1.0 + sin(7.0 * trial + 5.0 * l + c));
     }
     for (int l = 0; l < CT_WARM; l++) {
-      const double at[3] = {b.points[l], b.points[8 + l], b.points[16 + l]};
       met[l] = trial % 2 ? 0 : -1;
-      distant[l] = INFINITY;
-      for (int f = 1; f < FACES; f++)
-        distant[l] = fmin(distant[l], ct_bounds_distance(&boxes[f], at) + 0.1);
+      distant[l] = nearest_rival(boxes, &b, l) + 0.1;
       all += trial % 2 && distant[l] > 0.1 + most;
     }
     skipped += all == CT_WARM;
     find_rivals(&p, &b);
     for (int l = 0; l < CT_WARM; l++) {
-      int near = 0;
-      for (int f = 1; f < FACES; f++)
-        near |= ct_bounds_distance(&boxes[f], (double[3]){b.points[l], b.points[8 + l],
-                                                          b.points[16 + l]}) <= b.gap[l];
+      const int near = nearest_rival(boxes, &b, l) <= b.gap[l];
       wrong += (b.rival[l] != 0) != near;
       found += near;
     }

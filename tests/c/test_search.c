@@ -751,7 +751,6 @@ static void refused(void)
   patchwork p;
   patchwork_make(&p, CT_T3, 2, 0.1);
   ct_search *search = search_of(&p.surface);
-  ct_error e;
   double point[3] = {0, 0, 1};
   ct_nearest out;
   int32_t start = p.surface.face_count;
@@ -780,8 +779,16 @@ static void refused(void)
   double far[3] = {3e20, 0, 0};
   ct_search_nearest(search, 1, far, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_OK && out.distance == 3e20, "a point 1e20 sizes away has one");
+}
 
-  double *x = numbers(3 * p.surface.node_count);
+static void moves_refused(void)
+{
+  patchwork p;
+  patchwork_make(&p, CT_T3, 2, 0.1);
+  ct_search *search = search_of(&p.surface);
+  ct_error e;
+  double point[3] = {0, 0, 1}, *x = numbers(3 * p.surface.node_count);
+  ct_nearest out;
   memcpy(x, p.x, 3 * (size_t)p.surface.node_count * sizeof *x);
   x[3 * p.faces[1] + 2] = NAN;
   tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1],
@@ -794,22 +801,21 @@ static void refused(void)
   tap_ok(out.status == CT_INVALID,
          "a surface that has shrunk to a point has no nearest face with a normal");
 
-  tap_ok(try_create((ct_surface){CT_T3, 0, 0, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT,
-         "an empty surface is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){(ct_face_kind)9, 3, 1, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT,
-         "an unknown kind is refused");
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 3}, p.x}, &e) ==
-                 CT_ERROR_ARGUMENT &&
-             e.element == 0,
-         "an unknown node is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 1}, p.x}, &e) ==
-                 CT_ERROR_GEOMETRY &&
-             e.element == 0,
-         "a face without area is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 2},
-                                 (double[]){0, 0, NAN, 1, 0, 0, 0, 1, 0}},
-                    &e) == CT_INVALID,
-         "NaN is refused: %s", e.text);
+  int32_t unknown[3] = {0, 1, 3}, twice[3] = {0, 1, 1}, three[3] = {0, 1, 2};
+  double broken[9] = {0, 0, NAN, 1, 0, 0, 0, 1, 0};
+  const struct {
+    ct_surface surface;
+    ct_status want;
+    int element;
+    const char *what;
+  } bad[] = {{{CT_T3, 0, 0, p.faces, p.x}, CT_ERROR_ARGUMENT, -1, "an empty surface"},
+             {{(ct_face_kind)9, 3, 1, p.faces, p.x}, CT_ERROR_ARGUMENT, -1, "an unknown kind"},
+             {{CT_T3, 3, 1, unknown, p.x}, CT_ERROR_ARGUMENT, 0, "an unknown node"},
+             {{CT_T3, 3, 1, twice, p.x}, CT_ERROR_GEOMETRY, 0, "a face without area"},
+             {{CT_T3, 3, 1, three, broken}, CT_INVALID, -1, "NaN"}};
+  for (int i = 0; i < 5; i++)
+    tap_ok(try_create(bad[i].surface, &e) == bad[i].want && e.element == bad[i].element,
+           "%s is refused: %s", bad[i].what, e.text);
   tap_ok(ct_search_create(NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_builds(NULL) == 0 &&
              isnan(ct_search_cost(NULL)),
          "null pointers everywhere");
@@ -909,6 +915,7 @@ int main(void)
   repeated();
   rebuilding();
   refused();
+  moves_refused();
   inside_out(CT_HEX8, "Q4");
   inside_out(CT_HEX20, "Q8");
   return tap_done();
