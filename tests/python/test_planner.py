@@ -326,10 +326,12 @@ def test_a_mesh_of_its_own_stays():
     plan = scene.plan(error=0.05, functional="wall.force_x.mean", trials=1.0)
     assert (plan.scene.data["body"][0]["nodes"] == scene.data["body"][0]["nodes"]).all()
     assert "its own error is not included" in plan.sure and plan.choice.mesh == "mesh of its own"
+    assert f"{plan.scene.data['time']['fraction']:.3g} of the stable step" in plan.choice.setting
 
 
 def test_on_a_mesh_of_its_own_all_settings_have_one_limit():
-    """A softer contact or another mass has another limit for small steps, so these keys stay those of the scene."""
+    """A softer contact, another mass or a contact that holds no energy has another limit for small steps, so these
+    keys stay those of the scene."""
     data = with_nodes().data
     data["obstacle"][0] |= {"beta": 3.0, "dissipation": 0.1}
     own = planner.Planner(ct.Scene(data), "bar.p_x.end", 1.0)
@@ -337,7 +339,7 @@ def test_on_a_mesh_of_its_own_all_settings_have_one_limit():
     for tried in own.tried:
         changed = own.changed(tried.keys, 2.0).data
         assert {name.partition(".")[0] for name in tried.keys} == {"time"}
-        assert changed["obstacle"][0] == data["obstacle"][0]
+        assert changed["obstacle"][0] == data["obstacle"][0] | {"restitution": 1.0}
         assert changed["time"]["fraction"] == tried.keys["time.fraction"] / 2.0
 
 

@@ -34,7 +34,7 @@ PRICES = Path(__file__).with_name("prices.csv")
 # Keys that the planner may set, with their words in the table of a plan. Settings of the list with
 # other keys, such as those of the search, are left out.
 WORDS = {
-    "time.fraction": "{:g} of the stable step",
+    "time.fraction": "{:.3g} of the stable step",
     "time.integrator": "{}",
     "time.integrator_parameter": "parameter {:g}",
     "viscosity.linear": "bulk viscosity {:g}",
@@ -400,6 +400,7 @@ class Planner:
             reason = "is missing; the scene has no known closed form, so name the number whose error is meant"
             raise SceneError(f'{reason}, such as "energy.kinetic.end"', "functional", scene.file)
         parts = problem.parts
+        self.laws = (*parts.contact, *parts.obstacle)
         self.lattices = [body.lattice for body in parts.body]
         self.own_mesh = not all(self.lattices)
         several = (
@@ -423,7 +424,10 @@ class Planner:
         time, tables = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
         for name in (*Time.rivals[0], "integrator", "integrator_parameter"):
             time.pop(name, None)
-        for table in () if self.own_mesh else tables:
+        for table, law in zip(tables, self.laws):
+            if self.own_mesh:  # its default depends on the integrator
+                table["restitution"] = law.restitution
+                continue
             for name in ("beta", "epsilon", "enforcement", "dissipation"):
                 table.pop(name, None)
         for name in () if self.own_mesh else NUMERICAL:
@@ -597,8 +601,9 @@ class Planner:
             else [" x ".join(map(str, each.cells)) for each in self._scaled(scale)]
         )
         keys = {"time.integrator": "central_difference", **tried.keys}
-        words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
         scene, mesh = self.changed(tried.keys, scale), ", ".join(dict.fromkeys(cells))
+        keys["time.fraction"] = scene.data["time"]["fraction"]
+        words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
     def ranked(self, goal: Goal) -> list[Tried]:
