@@ -145,20 +145,26 @@ function splitSurface(text, dotted) {
   return body && face ? [body, face] : null;
 }
 
+function needed(table) {
+  return Object.keys(table.keys).filter((key) => table.keys[key].required);
+}
+
+function describedTable(table) {
+  return `a table${needed(table).length ? ` with ${listed(needed(table), "and")}` : ""}`;
+}
+
 function readTable(node, at, name, seen) {
   const table = LABORATORY_TABLES.tables[name];
   const known = Object.keys(table.keys);
-  const needed = known.filter((key) => table.keys[key].required);
-  at.need(node.type === "table", node, `a table${needed.length ? ` with ${listed(needed, "and")}` : ""}`);
-  const given = [...node.value.keys()];
-  for (const key of needed) {
-    if (node.value.has(key)) continue;
-    const near = nearestName(key, given, 0.75);
-    const hint = near !== null && !known.includes(near) ? `; is "${near}" meant to be it?` : "";
-    at.of(key).fail(`is missing${hint}`);
-  }
-  for (const key of given) {
+  at.need(node.type === "table", node, describedTable(table));
+  for (const key of node.value.keys()) {
     if (!known.includes(key)) at.of(key).fail(`unknown key${suggestion(key, known)}`);
+  }
+  for (const key of needed(table)) {
+    if (node.value.has(key)) continue;
+    const kind = table.keys[key];
+    const must = kind.kind === "Nested" ? `; it must be ${describedTable(LABORATORY_TABLES.tables[kind.table])}` : "";
+    at.of(key).fail(`is missing${must}`);
   }
   readAlternatives(node, at, table);
   const out = {};

@@ -173,6 +173,9 @@ def test_arrays_survive_saving_bit_for_bit(tmp_path):
 REFUSED = [
     (("bodi",), [], "bodi", 'did you mean "body"'),
     (("units",), {"length": "mm", "mass": "t"}, "units.time", "is missing"),
+    # Of a key that is unknown and one that is missing, the unknown one tells what was meant.
+    (("support",), [{"surface": "left.x_min", "fix": ["x"]}], "support[0].surface", "belongs to"),
+    (("support",), [{"sets": "left.x_min", "fix": ["x"]}], "support[0].sets", 'mean "set"'),
     (("units", "length"), "furlong", "units.length", "unknown"),
     (("units", "mass"), "k", "units.mass", "unknown"),
     (("units", "length"), True, "units.length", "boolean true"),
@@ -669,6 +672,9 @@ def test_inconsistent_units_show_at_once():
     wrong = changed(("material", 0, "density"), 7800.0)
     text = ct.Scene(small(material=wrong["material"], time={"end": 1e-1, "courant": 0.1})).explain()
     assert text.data["warnings"] and "consistent" in text
+    wrong = changed(("material", 0, "density"), 7.8e-6)  # kg/mm³: waves seem possible, 190 m/s
+    text = ct.Scene(small(material=wrong["material"])).explain()
+    assert "the density 7.8e+06 kg/m³ is above 30000 kg/m³; are young, density" in text
 
 
 # The page about the scene file.

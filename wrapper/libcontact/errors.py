@@ -104,7 +104,7 @@ class EnergyError(Error, ArithmeticError):
 
 # Kinds of warnings: what was found. The first are known before the first step of a run.
 KINDS = {
-    "units": "a wave speed that no material has, because Young's modulus, density and units are inconsistent; or an angle "
+    "units": "a wave speed or a density that no material has, because Young's modulus, density and units are inconsistent; or an angle "
     "of more than a turn, probably in degrees",
     "output": "a run continues without something that was requested, for example a file in a build without HDF5",
     "inside_out": "the two surfaces of a contact, or an obstacle and its surface, face away from each other",

@@ -614,22 +614,30 @@ class Table:
         return {name: " ".join(text.split()) for each in reversed([*found]) for name, text in each}
 
     @classmethod
+    def needed(cls) -> list[str]:
+        """The keys that must be given."""
+        return [name for name, field in cls.keys().items() if required(field)]
+
+    @classmethod
+    def described(cls) -> str:
+        """The table in the words of a message, with the keys that must be given."""
+        return "a table" + (f" with {listed(cls.needed(), 'and')}" if cls.needed() else "")
+
+    @classmethod
     def read(cls: type[T], value: Any, at: Place) -> T:
         """Read a table and check each key alone; :meth:`refusals` and references are checked when the whole
         scene is known."""
         known = cls.keys()
-        needed = [name for name, field in known.items() if required(field)]
-        with_keys = f" with {listed(needed, 'and')}" if needed else ""
-        at.need(isinstance(value, dict), value, "a table" + with_keys)
-        for name in needed:
-            if name not in value:
-                near = difflib.get_close_matches(name, map(str, value), n=1, cutoff=0.75)
-                hint = f'; is "{near[0]}" meant to be it?' if near and near[0] not in known else ""
-                raise (at / name).error("is missing" + hint)
+        at.need(isinstance(value, dict), value, cls.described())
         for name in value:
             if name not in known:
                 other = at.home(name) + suggestion(name, known)
                 raise (at / str(name)).error("unknown key" + other)
+        for name in cls.needed():
+            if name not in value:
+                kind = known[name].metadata["kind"]
+                must = f"; it must be {kind.model.described()}" if type(kind) is Nested else ""
+                raise (at / name).error("is missing" + must)
         found = cls._alternatives(value, at)
         for name, field in known.items():
             if name in value:
@@ -703,7 +711,7 @@ class Table:
         out = {
             "type": "object",
             "properties": properties,
-            "required": [name for name, field in cls.keys().items() if required(field)],
+            "required": cls.needed(),
             "additionalProperties": False,
             "dependentRequired": {name: [other] for name, other in cls.needs.items()},
         }

@@ -30,8 +30,8 @@ from .volumes import Volumes
 
 Points = dict[str, NDArray[np.int32]]
 
-# Limits of the wave speed [m/s], far below and far above those of all solids.
-SLOW, FAST = 1.0, 30000.0
+# Limits of the wave speed [m/s], far below and far above those of all solids; largest density [kg/m³].
+SLOW, FAST, DENSE = 1.0, 30000.0, 30000.0
 # Two bodies are in the same place if this fraction of the smaller one is inside the other; number of
 # its element centres that are checked.
 COMMON, TRIED = 0.5, 64
@@ -168,8 +168,13 @@ def _units(problem: Problem) -> Iterator[SceneWarning]:
     for i, material in given:
         si = speeds(material)[0] * problem.parts.units.factor("velocity")
         if not SLOW <= si <= FAST:
-            text = f'material "{material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?'
-            yield SceneWarning("units", text, f"body[{i}]")
+            text = f"c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s"
+        elif (si := material.density * problem.parts.units.factor("density")) > DENSE:
+            text = f"the density {si:.4g} kg/m³ is above {DENSE:g} kg/m³"
+        else:
+            continue
+        text = f'material "{material.name}": {text}; are young, density and [units] consistent?'
+        yield SceneWarning("units", text, f"body[{i}]")
     for at, table in walk(problem.parts, Place()):
         if isinstance(table, Turn) and abs(table.angle) > 2.0 * math.pi:
             text = f"{table.angle:g} rad is more than a turn; {table.angle:g} degrees are {math.radians(table.angle):.5g} rad"
