@@ -81,6 +81,9 @@ def test_curves_that_cannot_be_seen_are_not_named(block):
     draw_energies(axes, run)
     lines = {line.get_label(): line.get_ydata() for line in axes.lines}
     assert "external" not in lines and (lines["reserve"] <= lines["contact"]).all()
+    # What covers another line is dotted and above it, so that both are seen.
+    front = max(axes.lines, key=lambda line: line.get_zorder())
+    assert front.get_label() == "reserve" and front.get_linestyle() == ":"
     assert lines["kinetic"].max() == run.energy["kinetic"].max()
 
 

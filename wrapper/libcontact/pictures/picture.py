@@ -223,7 +223,8 @@ def _draw_instants(
 
 def draw_energies(axes: Any, run: Run) -> None:
     """Draw the energy balance over time: each column that can be seen, and the total. ``reserve`` is a part of what
-    contacts store; the first row has that of half a step later, of which only this part is drawn."""
+    contacts store, dotted as it often covers their line; the first row has that of half a step later, of which only
+    this part is drawn."""
     own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
     names = ("kinetic", "strain", "contact", "reserve", "external", *own)
     lines = {name: run.energy[name] for name in (*names, "total")}
@@ -236,7 +237,8 @@ def draw_energies(axes: Any, run: Run) -> None:
     )
     for name, line in lines.items():
         if name == "total" or np.abs(line).max() > HIDDEN * most:
-            axes.plot(factor * run.time, scale * line, *["k--"][: name == "total"], label=name)
+            style = {"total": "k--", "reserve": ":"}.get(name, "-")
+            axes.plot(factor * run.time, scale * line, style, label=name, zorder=2 + (style == ":"))
     axes.set(xlabel=with_unit("t", unit), ylabel=with_unit("energy", energy))
     axes.grid(alpha=0.3)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
