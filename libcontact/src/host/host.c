@@ -430,7 +430,11 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   for (int s = 0; s < contact->fixed->gaps.sides; s++)
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
-                     "contact: surface %d lacks coordinates, velocities or inverse masses", s);
+                     "contact: the %s of surface %d are null",
+                     side[s].x == NULL          ? "coordinates"
+                     : side[s].velocity == NULL ? "velocities"
+                                                : "inverse masses",
+                     s);
   int64_t rows = 0;
   ct_status status = ct_host_open(contact, error);
   if (status == CT_OK) status = check_times(contact, p, error);

@@ -152,19 +152,20 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
 {
   if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->gaps.sides == 2))
     return CT_REFUSE_NULL(error);
+  if (!contact->gaps.begun)
+    return CT_REFUSE(error, "contact: there are no forces before the first step or update");
   const int more = contact->host != NULL && contact->host->current;
   double *const f[2] = {fa, fb};
+  if (more && contact->host->contact.next != NULL && contact->fixed->gaps.sides == 2 &&
+      contact->fixed->one_array && fa != fb)
+    return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     for (int64_t n = 0; n < side->search->node_count; n++)
       for (int c = 0; c < 3; c++)
         f[s][3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
   }
-  if (!more) return CT_OK;
-  if (contact->host->contact.next != NULL && contact->fixed->gaps.sides == 2 &&
-      contact->fixed->one_array && fa != fb)
-    return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
-  add_parts(contact, f);
+  if (more) add_parts(contact, f);
   return CT_OK;
 }
 
