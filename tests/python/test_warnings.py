@@ -177,6 +177,42 @@ def test_bodies_that_never_meet():
     )
 
 
+@pytest.mark.parametrize("holds", ["nothing", "support", "obstacle"])
+def test_bodies_that_meet_without_a_contact(holds):
+    """Block a at rest and block b above it, which falls or flies: through a, unless a contact or a tie joins them, also
+    by way of a third body."""
+
+    def made(height=1.0, velocity=(0, 0, 0), gravity=-10.0, end=0.3, contacts=(), ties=()):
+        scene = empty()
+        for name, z in (("a", 0.0), ("b", height), ("c", 9.0)):
+            box = box_of([0.0, 0.0, z], [1, 1, 1], [2, 2, 2])
+            scene.add_body(
+                name, material="soft", velocity=velocity if name == "b" else [0, 0, 0], box=box
+            )
+        if holds == "support":
+            scene.add_support("a.z_min", fix="xyz")
+        elif holds == "obstacle":
+            scene.add(
+                "obstacle", surface="a.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}
+            )
+        for one, other in contacts:
+            scene.add_contact(f"{one}.z_max", f"{other}.z_min")
+        for one, other in ties:
+            scene.add_tie(surfaces=[f"{one}.z_max", f"{other}.z_min"])
+        if gravity:
+            scene.add("gravity", acceleration=[0, 0, gravity], bodies=["a", "b"])
+        return scene.set_time(end=end, fraction=0.7)
+
+    found, at_once = [("no_contact", "contact")], made()
+    assert kinds(at_once) == ([] if holds == "nothing" else found)  # both fall
+    assert kinds(made(1.2, (0, 0, -1), 0.0)) == kinds(made(1.2, (0, 0, -1))) == found
+    assert "t = 0.2 " in str(made(1.2, (0, 0, -1), 0.0).explain().warnings[0])
+    assert kinds(made(1.2, (0, 0, -1), 0.0, end=0.19)) == kinds(made(1.2, (0, 0, 1), 0.0)) == []
+    assert kinds(made(1.2, (0, 0, -1), contacts=["ab"])) == []
+    assert kinds(made(1.0, (0, 0, -1), 0.0, ties=["ab"])) == []
+    assert "no_contact" not in dict(kinds(made(1.2, (0, 0, -1), contacts=["bc", "ac"])))
+
+
 @pytest.mark.parametrize(
     "moved", ["load", "support", "path", "gravity", "effect", "hit", "damping"]
 )

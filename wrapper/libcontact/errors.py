@@ -111,6 +111,7 @@ KINDS = {
     "same_place": "two bodies occupy the same space",
     "overlap": "surfaces of a contact, or a surface and an obstacle, overlap at the start",
     "never_meet": "the surfaces of a contact cannot come together before the run ends",
+    "no_contact": "two bodies meet that no contact names, so they pass through each other",
     "thin": "an impact with a restitution below 1 on a body that is about one element thick loses a large part of its energy",
     "wide": "hex20 elements are wider than long along an impact, whose wave they do not carry",
     "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -87,14 +89,35 @@ def _pair(problem: Problem, key: str, given: Contact) -> Touch:
     (a, _), (b, _) = given.surfaces
     if a == b:
         return Touch(key, given, given.surfaces, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
+    time, gap, normal, closing = _approach(problem, a, b, _motion(problem, a), _motion(problem, b))
+    return Touch(key, given, given.surfaces, b, time, -max(gap, 0.0) * normal, normal, closing)
+
+
+def _approach(
+    problem: Problem, a: str, b: str, motion_a: tuple[Array, Array], motion_b: tuple[Array, Array]
+) -> tuple[float, float, Array, float]:
+    """The time at which the bounding boxes of two bodies have met along all axes; their gap, negative if they overlap,
+    its direction from a to b, and the speed along it."""
     (low_a, high_a), (low_b, high_b) = (_bounds(problem, name) for name in (a, b))
     apart = np.maximum(low_b - high_a, low_a - high_b)
-    gaps, k = np.maximum(apart, 0.0), int(np.argmax(apart))
-    side = np.where(low_b > low_a, 1.0, -1.0)
-    (v_a, g_a), (v_b, g_b) = _motion(problem, a), _motion(problem, b)
-    meets = [_meet(*axis) for axis in zip(gaps, side * (v_a - v_b), side * (g_a - g_b))]
+    side, k = np.where(low_b > low_a, 1.0, -1.0), int(np.argmax(apart))
+    speed, pull = (side * (own - other) for own, other in zip(motion_a, motion_b))
+    meets = [_meet(*axis) for axis in zip(np.maximum(apart, 0.0), speed, pull)]
     normal, time = side * (np.arange(3) == k), max(time for time, _ in meets)
-    return Touch(key, given, given.surfaces, b, time, -gaps[k] * normal, normal, meets[k][1])
+    return time, float(apart[k]), normal, meets[k][1]
+
+
+def strangers(problem: Problem, still: Container[str]) -> Iterator[tuple[str, str, float]]:
+    """Pairs of bodies whose bounding boxes meet before the end, and the time. Boxes that overlap from the start do not
+    count. Bodies that are ``still`` do not move, the others as for first_touch."""
+    at_rest = (np.zeros(3), np.zeros(3))
+    motion = {name: at_rest if name in still else _motion(problem, name) for name in problem.bodies}
+    for a, b in combinations(problem.bodies, 2):
+        time, gap, normal, closing = _approach(problem, a, b, motion[a], motion[b])
+        size = max(float(np.ptp(_bounds(problem, name), axis=0).max()) for name in (a, b))
+        falls = float((motion[a][1] - motion[b][1]) @ normal) > 0.0
+        if gap >= -1e-9 * size and time < problem.end and (closing > 0.0 or falls):
+            yield a, b, time
 
 
 def _obstacle(problem: Problem, key: str, given: Any) -> Touch:

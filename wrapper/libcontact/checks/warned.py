@@ -25,7 +25,7 @@ from ..schema import SIDES, Place, walk
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run, short_run
-from .touch import Touch, first_touch, gravity_on, started
+from .touch import Touch, first_touch, gravity_on, started, strangers
 from .volumes import Volumes
 
 Points = dict[str, NDArray[np.int32]]
@@ -72,6 +72,7 @@ def known(
         *_file(output),
         *away,
         *_same_place(problem),
+        *_no_contact(problem),
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
         *long_run(problem),
@@ -449,6 +450,25 @@ def _acted_on(problem: Problem) -> set[str]:
         if effect.name not in HARMLESS or getattr(effect.given, "history", None):
             out |= {name for name in parts.bodies if acts_on(effect.given, name)}
     return out
+
+
+# Bodies that meet and have no contact.
+
+
+def _no_contact(problem: Problem) -> Iterator[SceneWarning]:
+    """Find bodies that reach each other, as far as their motion is known, and that neither a contact nor a
+    tie joins, also not by way of other bodies."""
+    parts, joined = problem.parts, {name: {name} for name in problem.bodies}
+    for (a, _), (b, _) in (each.surfaces for each in (*parts.contact, *parts.tie)):
+        both = joined[a] | joined[b]
+        joined.update((name, both) for name in both)
+    held = {each.set.body for each in parts.support} | {each.surface[0] for each in parts.obstacle}
+    still = {name for name in held if not any(parts.bodies[name].velocity)}
+    unknown = _acted_on(problem) - still
+    for a, b, time in strangers(problem, still) if not problem.own else ():
+        if b not in joined[a] and not {a, b} & unknown:
+            text = f'bodies "{a}" and "{b}" meet at about t = {time:.4g} and will pass through each other, as no [[contact]] names both: add one, with the surfaces that meet'
+            yield SceneWarning("no_contact", text, "contact")
 
 
 # Bodies that are too thin for an impact.
