@@ -150,9 +150,9 @@ CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const 
 /**
  * Add the contact forces of the last update or step to `fa`, `fb` [force], shapes (node_count, 3);
  * after a step also the forces of obstacles and friction. With obstacles or friction, two surfaces
- * on one array of nodes need one array of forces. ``CT_ERROR_ARGUMENT``: there are two, or no step
- * or update came before; no force is added then. This call and all calls below that take a const
- * contact only read it, so several threads may use one contact at the same time.
+ * on one array of nodes need one array of forces: ``CT_ERROR_ARGUMENT`` for two, and no force is
+ * added then. This call and all calls below that take a const contact only read it, so several
+ * threads may use one contact at the same time.
  */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb,
                                       ct_error *error);

@@ -152,8 +152,6 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
 {
   if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->gaps.sides == 2))
     return CT_REFUSE_NULL(error);
-  if (!contact->gaps.begun)
-    return CT_REFUSE(error, "contact: there are no forces before the first step or update");
   const int more = contact->host != NULL && contact->host->current;
   double *const f[2] = {fa, fb};
   if (more && contact->host->contact.next != NULL && contact->fixed->gaps.sides == 2 &&
