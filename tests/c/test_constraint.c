@@ -207,7 +207,7 @@ static void step(void)
     memcpy(before, s->force, sizeof before);
     double start = function_of(&r, before), taken[ROWS];
     for (int64_t j = 0; j < s->count; j++) taken[j] = fmin(s->gradient[j] * s->scale[j], before[j]);
-    (void)step_down(s);
+    (void)step_down(s, 0.0);
     for (int64_t j = 0; j < s->count; j++)
       off_step = worst(off_step, before[j] - taken[j] - s->force[j]);
     rise = fmax(rise, function_of(&r, s->force) - start);
@@ -230,12 +230,12 @@ static void release_of_rows(void)
     ct_solver *s = r.s;
     double gain[2] = {0.0, 0.0}, small = pow(10.0, uniform(2.0) - 2.0);
     for (int64_t j = 0; j < s->count; j++) s->force[j] *= small;
+    s->applied = 0;
     (void)find_gradient(s);
     for (int64_t j = 0; j < s->count; j++)
       gain[s->force[j] > 0.0] += s->gradient[j] * fmin(s->gradient[j] * s->scale[j], s->force[j]);
     double measures[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms,
-            measures);
+    descend_along(s, 0.0, measures);
     wrong += releases(s) != (gain[0] > gain[1]);
     taken += gain[0] > gain[1];
     release(&r);

@@ -134,6 +134,7 @@ void ct_active_choose(ct_solver *s, int all)
   if (!have_laws(s) || !(distance <= near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
   begin_rows(of, s->force);
+  s->applied = 0;
   ct_copy(s->free, of->after, (size_t)s->count * sizeof *s->free);
   if (!s->again) return;
   // Nothing opens at t = 0, so the place is free; the points close now.
@@ -194,7 +195,10 @@ static int find_bound(ct_solver *s)
     ct_copy(s->scale, s->bound, rows);
     return 1;
   }
-  if (!ct_matrix_bound(s, 0, s->scale)) return 0;
+  if (!ct_matrix_bound(s, 0, s->after, s->scale)) return 0;
+  // With one normal the product has a loop of its own.
+  s->applied = s->bodies == NULL && !s->along;
+  s->iterations += s->applied;
   if (ct_matrix_stays(s)) memcpy(s->bound_mobility, s->mobility, nodes);
   ct_copy(s->bound, s->scale, rows);
   return 1;
@@ -355,7 +359,8 @@ static int add_releases(ct_solver *s)
   s->all_count = isfinite(all[0]) ? (int64_t)all[0] : 0;
   if (all[0] == all[1]) return 1;
   ct_matrix_choose(s);
-  if (!ct_matrix_bound(s, groups, s->terms)) return 0;
+  if (!ct_matrix_bound(s, groups, s->after, s->terms)) return 0;
+  s->applied = 0;
   for (int64_t r = points; r < s->count; r++) {
     const int64_t own = s->opened[r - points];
     const ct_constraint c = {.before = s->laws.before[own], .impact.reserve = s->laws.reserve[own]};

@@ -218,8 +218,18 @@ int64_t ct_law_end(const ct_law_rows *of, int64_t first)
   return end;
 }
 
+/* Energy stored at the middle of a step from the gaps g0 to g1. */
+static void find_stores(const ct_law_rows *of, const double *g0, const double *g1, double *stored)
+{
+  for (int64_t r = 0, end; r < of->count; r = end) {
+    end = ct_law_end(of, r);
+    LAWS[of->row[r]->enforcement].stores(end - r, &of->stiffness[r], &g0[r], &g1[r], &stored[r]);
+  }
+}
+
 void ct_law_fix(const ct_law_rows *of, const double *bound, double fraction, double *C, double *b)
 {
+  find_stores(of, of->before, of->gap, of->last);
   find_dashpots(of, bound, fraction);
   for (int64_t r = 0, end; r < of->count; r = end) {
     end = ct_law_end(of, r);
@@ -280,15 +290,6 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
 void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
 {
   settle(c, dt, x, enters, ct_law_stored(c));
-}
-
-/* Energy stored at the middle of a step from the gaps g0 to g1. */
-static void find_stores(const ct_law_rows *of, const double *g0, const double *g1, double *stored)
-{
-  for (int64_t r = 0, end; r < of->count; r = end) {
-    end = ct_law_end(of, r);
-    LAWS[of->row[r]->enforcement].stores(end - r, &of->stiffness[r], &g0[r], &g1[r], &stored[r]);
-  }
 }
 
 CT_CLONES
@@ -377,7 +378,7 @@ double ct_law_paid(double K, double held, double debt)
 }
 
 CT_CLONES
-static void take_debts(const ct_law_rows *of)
+void ct_law_take_debts(const ct_law_rows *of)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
@@ -387,12 +388,6 @@ static void take_debts(const ct_law_rows *of)
     of->reserve[r] -= debt;
     of->stored[r] += debt;
   }
-}
-
-void ct_law_take_debts(const ct_law_rows *of)
-{
-  find_stores(of, of->before, of->gap, of->last);
-  take_debts(of);
 }
 
 CT_CLONES
@@ -406,7 +401,6 @@ static void find_losses(const ct_law_rows *of, const double *force, const double
 
 void ct_law_losses(const ct_law_rows *of, const double *force, const double *after, double *losses)
 {
-  find_stores(of, of->before, of->gap, of->last);
   find_stores(of, of->gap, after, of->next);
   find_losses(of, force, after, losses);
 }

@@ -137,8 +137,9 @@ typedef struct ct_law_rows {
 /* End of the rows from `first` on that have one law. */
 int64_t ct_law_end(const ct_law_rows *rows, int64_t first);
 
-/* The functions above for all rows, to the same bits. Dashpots, and ramps into C and b, where unit
- * forces on all points change the gaps by `bound`, in a whole step by 1 / `fraction` of it. */
+/* The functions above for all rows, to the same bits. What they stored last, dashpots, and ramps
+ * into C and b, where unit forces on all points change the gaps by `bound`, in a whole step by
+ * 1 / `fraction` of it. */
 void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, double *C,
                 double *b);
 

@@ -369,16 +369,22 @@ static void project_mobilities(const ct_solver *s)
   }
 }
 
-/* Sums of the forces of rows, from those of a group on, at the nodes of this piece's active rows,
- * or at all; the largest is `top`. Returns 0 if they are not finite. */
-static int add_forces(ct_solver *s, ct_add *add, int64_t from, const double *force, double top,
-                      int all)
+/* The grid of sums of forces at nodes, of which the largest is `top`. Returns 0 if they are not
+ * finite. */
+static int init_grid(const ct_solver *s, double top, ct_grid *grid)
+{
+  // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
+  return ct_grid_init(grid, 2.0 * s->weight * top, s->most_row_count);
+}
+
+/* Sums of the forces of rows at the nodes of this piece's active rows, or at all; the largest is
+ * `top`. Returns 0 if they are not finite. */
+static int add_forces(ct_solver *s, ct_add *add, const double *force, double top, int all)
 {
   ct_grid grid;
   ct_pieces_largest(s->pieces, &top, 1);
-  // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
-  if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
-  add(grid.coarse, s->groups + from, s->group_count - from, s->entry_place, s->G, force, s->sums);
+  if (!init_grid(s, top, &grid)) return 0;
+  add(grid.coarse, s->groups, s->group_count, s->entry_place, s->G, force, s->sums);
   if (all) ct_pieces_sum(s->pieces, s->sums, WIDE * (int64_t)s->node_count);
   else if (s->shared_count > 0 && add == ct_add_full) ct_matrix_join(s, 0, 3, s->sums, s->moved);
   else if (s->shared_count > 0) ct_matrix_join(s, 3, 1, s->sums, s->moved);
@@ -410,14 +416,14 @@ void ct_matrix_follow(const ct_solver *s, double share, double *total)
 
 int ct_matrix_push(ct_solver *s, const double *force)
 {
-  if (!add_forces(s, ct_add_full, 0, force, ct_largest(force, s->count), 0)) return 0;
+  if (!add_forces(s, ct_add_full, force, ct_largest(force, s->count), 0)) return 0;
   ct_matrix_move(s, s->active_node_count, s->active_nodes, s->sums, s->moved);
   return 1;
 }
 
 int ct_matrix_push_all(ct_solver *s, const double *force)
 {
-  if (!add_forces(s, ct_add_full, 0, force, ct_largest(force, s->count), 1)) return 0;
+  if (!add_forces(s, ct_add_full, force, ct_largest(force, s->count), 1)) return 0;
   ct_matrix_move(s, s->node_count, s->all_nodes, s->sums, s->moved);
   return 1;
 }
@@ -454,19 +460,24 @@ static void list_shared_nodes(ct_solver *s)
   s->most_row_count = (int32_t)most;
 }
 
-int ct_matrix_bound(ct_solver *s, int64_t from, double *out)
+int ct_matrix_bound(ct_solver *s, int64_t from, double *gaps, double *out)
 {
-  for (int32_t k = 0; k < s->active_node_count; k++) {
-    double *A = &s->mobility[s->active_nodes[k]];
+  const int32_t count = s->active_node_count, *place = s->active_nodes;
+  double top = ct_largest(s->force, s->count);
+  ct_grid forces, sizes;
+  for (int32_t k = 0; k < count; k++) {
+    double *A = &s->mobility[place[k]];
     A[3] = ct_larger(ct_larger(A[0], A[1]), A[2]);
   }
-  if (!add_forces(s, ct_add_sizes, from, s->force, 1.0, 0)) return 0;
-  if (s->bodies != NULL)
-    ct_bodies_push_sizes(s->bodies, s->active_node_count, s->active_nodes, s->sums);
-  move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
-  if (s->bodies != NULL)
-    ct_bodies_move_sizes(s->bodies, s->active_node_count, s->active_nodes, s->moved);
-  ct_times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
+  ct_pieces_largest(s->pieces, &top, 1);
+  if (!init_grid(s, top, &forces) || !init_grid(s, 1.0, &sizes)) return 0;
+  ct_add_bound(forces.coarse, sizes.coarse, s->groups + from, s->group_count - from, s->entry_place,
+               s->G, s->force, s->sums);
+  if (s->shared_count > 0) ct_matrix_join(s, 0, WIDE, s->sums, s->moved);
+  if (s->bodies != NULL) ct_bodies_push_sizes(s->bodies, count, place, s->sums);
+  move_active_nodes(count, place, s->mobility, s->sums, s->moved);
+  if (s->bodies != NULL) ct_bodies_move_sizes(s->bodies, count, place, s->moved);
+  ct_times_bound(s->groups, s->count, s->entry_place, s->G, s->moved, gaps, out);
   if (s->along) project_mobilities(s);
   return 1;
 }
@@ -507,7 +518,7 @@ void ct_matrix_motion(const ct_solver *s, int64_t count, double *x, double *out)
 static int slide(ct_solver *s, const double *force)
 {
   const int32_t count = s->active_node_count, *place = s->active_nodes;
-  if (!add_forces(s, ct_add_along, 0, force, ct_largest(force, s->count), 0)) return 0;
+  if (!add_forces(s, ct_add_along, force, ct_largest(force, s->count), 0)) return 0;
   if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, s->normal, s->sums);
   move_along(count, place, s->mobility, s->sums, s->moved);
   if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, s->normal, s->moved);

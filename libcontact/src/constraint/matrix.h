@@ -60,7 +60,8 @@ void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place
                     double *moved);
 
 /* An upper bound of Σ_k |W_jk| of each active row j, over the rows k from those of a group on, the
- * first being 0 (eq:constraint-bound). Returns 0 if it is not finite. */
-int ct_matrix_bound(ct_solver *solver, int64_t from, double *out);
+ * first being 0 (eq:constraint-bound). Over all rows `gaps` becomes W times the present forces,
+ * too, unless a rigid body moves nodes. Returns 0 if these numbers are not finite. */
+int ct_matrix_bound(ct_solver *solver, int64_t from, double *gaps, double *out);
 
 #endif

@@ -7,11 +7,13 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4 };
+enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4, FOUR = 4 * PARTS };
 
 /* What a product takes of a row: b_a n, of vectors at nodes; b_a, of their fourth components, which
- * are motions or forces along the one normal of all rows; or |b_a|, of fourth components. */
-typedef enum row_part { FULL, ALONG, SIZES } row_part;
+ * are motions or forces along the one normal of all rows; or b_a n, and |b_a| of fourth components.
+ */
+typedef enum row_part { FULL, ALONG, BOUND } row_part;
+static const int COMPONENTS[] = {[FULL] = 3, [ALONG] = 1, [BOUND] = 4};
 
 /* |x| of each lane. */
 #if defined(__GNUC__)
@@ -20,11 +22,11 @@ typedef enum row_part { FULL, ALONG, SIZES } row_part;
 #define SIZE_OF(x) fabs(x)
 #endif
 
-/* Components of vectors at four nodes, as x, y and z of all. */
-CT_INLINE void turn_nodes(const double *const at[4], ct_quad *out)
+/* Components of vectors at four nodes, as x, y and z of all, and their fourth components. */
+CT_INLINE void turn_nodes(row_part part, const double *const at[4], ct_quad *out)
 {
   double *v = (double *)out, unused[4];
-  ct_turn(at, (double *const[4]){v, v + 4, v + 8, unused});
+  ct_turn(at, (double *const[4]){v, v + 4, v + 8, part == BOUND ? v + 12 : unused});
 }
 
 /* Fourth components of vectors at four nodes. */
@@ -35,12 +37,12 @@ CT_INLINE void take_fourth(const double *const at[4], ct_quad *out)
 }
 
 /* The reverse of turn_nodes. */
-CT_INLINE void turn_back(const ct_quad *v, ct_quad *out)
+CT_INLINE void turn_back(row_part part, const ct_quad *v, ct_quad *out)
 {
   static const double none[4] = {0.0};
   const double *from = (const double *)v;
   double *to = (double *)out;
-  ct_turn((const double *const[4]){from, from + 4, from + 8, none},
+  ct_turn((const double *const[4]){from, from + 4, from + 8, part == BOUND ? from + 12 : none},
           (double *const[4]){to, to + WIDE, to + 2 * WIDE, to + 3 * WIDE});
 }
 
@@ -67,7 +69,8 @@ CT_INLINE int32_t node_in(int32_t own, int32_t other, int32_t l)
   return CT_LANE_NODE[theirs] < other ? own + CT_LANE_NODE[theirs] : -1;
 }
 
-/* The vectors at the nodes of both faces: for each quad x, y and z, or the fourth components. */
+/* The vectors at the nodes of both faces: for each quad their components, or the fourth ones first.
+ */
 CT_INLINE void load_nodes(row_part part, int32_t own, int32_t other, const int32_t *place,
                           const double *x, ct_quad *at)
 {
@@ -77,25 +80,25 @@ CT_INLINE void load_nodes(row_part part, int32_t own, int32_t other, const int32
       const int32_t a = node_in(own, other, 4 * q + l);
       node[l] = &x[a < 0 ? 0 : place[a]]; // times 0
     }
-    if (part == FULL) turn_nodes(node, &at[3 * PARTS * q]);
-    else take_fourth(node, &at[3 * PARTS * q]);
+    if (part == ALONG) take_fourth(node, &at[FOUR * q]);
+    else turn_nodes(part, node, &at[FOUR * q]);
   }
 }
 
 /* Σ over the lanes of some quads of four rows: b_a times the motion of the node along the normal,
- * or b_a or |b_a| times its fourth component. */
+ * or times its fourth component; or, for a BOUND, |b_a| times its fourth component. */
 CT_INLINE void sum_quads(row_part part, int32_t first, int32_t count, const double *const row[4],
                          const ct_quad *at, ct_quad *out)
 {
   for (int32_t q = first; q < first + count; q++) {
     ct_quad t[4 * PARTS], sum[PARTS];
-    const ct_quad *x = &at[3 * PARTS * q];
+    const ct_quad *x = &at[FOUR * q];
     for (int r = 0; r < 4; r++)
       for (int i = 0; i < PARTS; i++) {
         const double *n = row[r];
         const ct_quad b = ((const ct_quad *)&row[r][4 + 4 * q])[i];
         t[PARTS * r + i] =
-            part == SIZES   ? SIZE_OF(b) * x[i]
+            part == BOUND   ? SIZE_OF(b) * x[3 * PARTS + i]
             : part == ALONG ? x[i] * b
                             : ((n[0] * x[i] + n[1] * x[PARTS + i]) + n[2] * x[2 * PARTS + i]) * b;
       }
@@ -106,31 +109,49 @@ CT_INLINE void sum_quads(row_part part, int32_t first, int32_t count, const doub
   }
 }
 
+/* The same over both faces, of the first `rows` of four rows. */
+CT_INLINE void sum_row(row_part part, int32_t mine, int32_t theirs, int32_t rows,
+                       const double *const row[4], const ct_quad *at, double *out)
+{
+  const ct_quad none = {0.0};
+  ct_quad sum[PARTS], more[PARTS];
+  for (int i = 0; i < PARTS; i++) sum[i] = more[i] = none;
+  sum_quads(part, 0, mine, row, at, sum);
+  sum_quads(part, mine, theirs, row, at, more);
+  for (int i = 0; theirs > 0 && i < PARTS; i++) sum[i] += more[i];
+  for (int i = 0; i < 4 && i < rows; i++) out[i] = ((const double *)sum)[i];
+}
+
 /* Rows of G with the same nodes times a vector. Inlined for faces with four and eight nodes, so
  * that the vectors at the nodes stay in registers. */
 CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t rows,
-                          const int32_t *place, const double *G, const double *x, double *out)
+                          const int32_t *place, const double *G, const double *x, double *out,
+                          double *sizes)
 {
   const int32_t mine = ct_quads_of(own), theirs = ct_quads_of(other),
                 step = 4 * (1 + mine + theirs);
-  const ct_quad none = {0.0};
-  ct_quad at[3 * PARTS * MOST_QUADS], sum[PARTS], more[PARTS];
+  ct_quad at[FOUR * MOST_QUADS];
   load_nodes(part, own, other, place, x, at);
   for (int32_t r = 0; r < rows; r += 4, G += 4 * step) {
     const double *row[4];
     for (int i = 0; i < 4; i++) row[i] = G + (r + i < rows ? i : 0) * step;
-    for (int i = 0; i < PARTS; i++) sum[i] = more[i] = none;
-    sum_quads(part, 0, mine, row, at, sum);
-    sum_quads(part, mine, theirs, row, at, more);
-    for (int i = 0; theirs > 0 && i < PARTS; i++) sum[i] += more[i];
-    for (int i = 0; i < 4 && r + i < rows; i++) out[r + i] = ((const double *)sum)[i];
+    sum_row(part == ALONG ? ALONG : FULL, mine, theirs, rows - r, row, at, out + r);
+    if (part == BOUND) sum_row(BOUND, mine, theirs, rows - r, row, at, sizes + r);
   }
+}
+
+/* Σ over the nodes of both faces, paired as over lanes. */
+CT_INLINE void sum_nodes(int32_t other, const ct_quad t[8], ct_quad *out)
+{
+  ct_quad sum = (t[0] + t[1]) + (t[2] + t[3]);
+  if (other > 0) sum += (t[4] + t[5]) + (t[6] + t[7]);
+  *out = sum;
 }
 
 /* The same of the four rows of a face, to the same bits, from their numbers side by side: nothing
  * is summed over lanes. */
 CT_INLINE void times_face(row_part part, int32_t other, const int32_t *place, const double *G,
-                          const double *x, double *out)
+                          const double *x, double *out, double *sizes)
 {
   const ct_quad *n = (const ct_quad *)&G[16 * (2 + other / 4)], *b = n + 4 * PARTS;
   for (int i = 0; i < PARTS; i++, n++, b++) {
@@ -138,13 +159,13 @@ CT_INLINE void times_face(row_part part, int32_t other, const int32_t *place, co
     for (int32_t a = 0; a < 4 + other; a++) {
       const double *v = &x[place[a]];
       const ct_quad w = b[PARTS * a];
-      t[a] = part == SIZES   ? SIZE_OF(w) * v[3]
-             : part == ALONG ? w * v[3]
-                             : ((n[0] * v[0] + n[PARTS] * v[1]) + n[2 * PARTS] * v[2]) * w;
+      t[a] = part == ALONG ? w * v[3]
+                           : ((n[0] * v[0] + n[PARTS] * v[1]) + n[2 * PARTS] * v[2]) * w;
     }
-    ct_quad sum = (t[0] + t[1]) + (t[2] + t[3]);
-    if (other > 0) sum += (t[4] + t[5]) + (t[6] + t[7]);
-    ((ct_quad *)out)[i] = sum;
+    sum_nodes(other, t, (ct_quad *)out + i);
+    if (part != BOUND) continue;
+    for (int32_t a = 0; a < 4 + other; a++) t[a] = SIZE_OF(b[PARTS * a]) * x[place[a] + 3];
+    sum_nodes(other, t, (ct_quad *)sizes + i);
   }
 }
 
@@ -157,11 +178,11 @@ CT_INLINE int is_like(const ct_group *g, int32_t own, int32_t other, int face, i
   return memcmp(COUNTS_OF(g), COUNTS_OF(&like), sizeof(ct_group) - offsetof(ct_group, own)) == 0;
 }
 
-/* Vectors of a product: at the nodes, and at the rows from those of a group on. */
+/* Vectors of a product: at the nodes, and at the rows from those of a group on, of a BOUND two. */
 typedef struct factors {
   const int32_t *places;
   const double *G, *x;
-  double *out, *end;
+  double *out, *sizes, *end;
 } factors;
 
 /* The product of groups with the same numbers of nodes and rows, which follow on each other: most
@@ -172,18 +193,19 @@ CT_INLINE const ct_group *times_like(row_part part, int turned, int32_t own, int
   do {
     const int32_t *place = &f->places[e->place];
     const double *G = &f->G[e->first];
-    if (turned) times_face(part, other, place, G, f->x, f->out);
-    else times_rows(part, own, other, rows, place, G, f->x, f->out);
-    f->out += rows, e++;
+    if (turned) times_face(part, other, place, G, f->x, f->out, f->sizes);
+    else times_rows(part, own, other, rows, place, G, f->x, f->out, f->sizes);
+    f->out += rows, f->sizes += part == BOUND ? rows : 0, e++;
   } while (f->out < f->end && is_like(e, own, other, face, rows));
   return e;
 }
 
 /* G times a vector at nodes. */
 CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count,
-                            const int32_t *places, const double *G, const double *x, double *out)
+                            const int32_t *places, const double *G, const double *x, double *out,
+                            double *sizes)
 {
-  factors f = {places, G, x, out, out + count};
+  factors f = {places, G, x, out, sizes, out + count};
   for (const ct_group *e = groups; f.out < f.end;)
     if (is_like(e, 4, 4, 1, 4)) e = times_like(part, 1, 4, 4, 1, 4, e, &f);
     else if (is_like(e, 4, 0, 1, 4)) e = times_like(part, 1, 4, 0, 1, 4, e, &f);
@@ -196,21 +218,21 @@ CT_CLONES
 void ct_times_full(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
                    const double *x, double *out)
 {
-  times_groups(FULL, groups, count, places, G, x, out);
+  times_groups(FULL, groups, count, places, G, x, out, out);
 }
 
 CT_CLONES
 void ct_times_along(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
                     const double *x, double *out)
 {
-  times_groups(ALONG, groups, count, places, G, x, out);
+  times_groups(ALONG, groups, count, places, G, x, out, out);
 }
 
 CT_CLONES_NODES
-void ct_times_sizes(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
-                    const double *x, double *out)
+void ct_times_bound(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
+                    const double *x, double *out, double *sizes)
 {
-  times_groups(SIZES, groups, count, places, G, x, out);
+  times_groups(BOUND, groups, count, places, G, x, out, sizes);
 }
 
 /* The components c of the forces of some rows r, in 4 c + r; of the four rows of a face from their
@@ -224,32 +246,38 @@ CT_INLINE void resolve(int turned, int32_t rows, int32_t step, const double *G, 
     for (int r = 0; !turned && r < rows; r++) out[4 * c + r] = G[r * step + c] * force[r];
 }
 
-/* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`; or its
- * force on the line of all, or the size of a unit force. */
-CT_INLINE void push(row_part part, const double *b, double force, ct_quad *out)
+/* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`; or, as
+ * the fourth, the size of a unit force. */
+CT_INLINE void push(int size, const double *b, double force, ct_quad *out)
 {
   const ct_quad N = *(const ct_quad *)b;
-  if (part == SIZES) *out = SIZE_OF(N);
+  if (size) *out = SIZE_OF(N);
   else *out = N * force;
 }
+
+/* Spacings of grids: of the sums of forces, and of sizes. */
+typedef struct spacings {
+  double force, size;
+} spacings;
 
 /* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples
  * of the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows
  * are those of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated
  * face gives the same bits (eq:tree-sum). */
-CT_INLINE void add_row(row_part part, int turned, int32_t quads, int four, double coarse,
+CT_INLINE void add_row(row_part part, int turned, int32_t quads, int four, spacings grid,
                        int32_t step, const double *row, const double *force, ct_quad *sum)
 {
   double resolved[12];
-  const double *f = part == FULL ? resolved : force;
-  if (part == FULL) resolve(turned, four ? 4 : 1, step, row, force, resolved);
+  const double *f = part == ALONG ? force : resolved;
+  if (part != ALONG) resolve(turned, four ? 4 : 1, step, row, force, resolved);
   for (int32_t q = 0; q < quads; q++)
-    for (int c = 0; c < (part == FULL ? 3 : 1); c++)
+    for (int c = 0; c < COMPONENTS[part]; c++)
       for (int i = 0; i < PARTS; i++) {
+        const double coarse = c == 3 ? grid.size : grid.force;
         ct_quad t[4];
         for (int r = 0; r < (four ? 4 : 1); r++)
-          push(part, row + r * step + 4 + 4 * q + i, f[4 * c + r], &t[r]);
-        ct_quad *to = &sum[PARTS * (3 * q + c) + i];
+          push(c == 3, row + r * step + 4 + 4 * q + i, c == 3 ? 0.0 : f[4 * c + r], &t[r]);
+        ct_quad *to = &sum[FOUR * q + PARTS * c + i];
         if (four) *to = (((t[0] + t[3]) + (t[1] + t[2])) + coarse) - coarse;
         else *to += (t[0] + coarse) - coarse;
       }
@@ -262,34 +290,34 @@ CT_INLINE void add_nodes(row_part part, int32_t own, int32_t other, const int32_
   for (int32_t q = 0; q < ct_quads_of(own) + ct_quads_of(other); q++) {
     const ct_quad none = {0.0};
     ct_quad node[4 * PARTS];
-    const double *fourth = (const double *)&sum[3 * PARTS * q];
+    const double *fourth = (const double *)&sum[FOUR * q];
     for (int i = 0; i < 4 * PARTS; i++) node[i] = none;
-    if (part == FULL) turn_back(&sum[3 * PARTS * q], node);
+    if (part != ALONG) turn_back(part, &sum[FOUR * q], node);
     for (int32_t l = 0; l < 4; l++) {
       const int32_t a = node_in(own, other, 4 * q + l);
       if (a < 0) continue;
       const int32_t to = place[a];
-      if (part != FULL) sums[to + 3] += fourth[l];
-      for (int i = 0; part == FULL && i < PARTS; i++)
+      if (part == ALONG) sums[to + 3] += fourth[l];
+      for (int i = 0; part != ALONG && i < PARTS; i++)
         ((ct_quad *)&sums[to])[i] += node[PARTS * l + i];
     }
   }
 }
 
 /* Add rows of G with the same nodes, times their forces, to the sums at the nodes. */
-CT_INLINE void add_rows(row_part part, int turned, double coarse, int32_t own, int32_t other,
+CT_INLINE void add_rows(row_part part, int turned, spacings grid, int32_t own, int32_t other,
                         int face, int32_t rows, const int32_t *place, const double *G,
                         const double *force, double *sums)
 {
   const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
   const ct_quad none = {0.0};
-  ct_quad sum[3 * PARTS * MOST_QUADS];
+  ct_quad sum[FOUR * MOST_QUADS];
   if (face && rows == 4) {
-    add_row(part, turned, quads, 1, coarse, step, G, force, sum);
+    add_row(part, turned, quads, 1, grid, step, G, force, sum);
   } else {
-    for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
+    for (int32_t i = 0; i < FOUR * quads; i++) sum[i] = none;
     for (int32_t r = 0; r < rows; r++)
-      add_row(part, 0, quads, 0, coarse, step, G + r * step, force + r, sum);
+      add_row(part, 0, quads, 0, grid, step, G + r * step, force + r, sum);
   }
   add_nodes(part, own, other, place, sum, sums);
 }
@@ -303,12 +331,12 @@ typedef struct forces {
 } forces;
 
 /* Add the rows of groups with the same numbers of nodes and rows, as times_like. */
-CT_INLINE const ct_group *add_like(row_part part, int turned, double coarse, int32_t own,
+CT_INLINE const ct_group *add_like(row_part part, int turned, spacings grid, int32_t own,
                                    int32_t other, int face, int32_t rows, const ct_group *e,
                                    forces *f)
 {
   do {
-    add_rows(part, turned, coarse, own, other, face, rows, &f->places[e->place], &f->G[e->first],
+    add_rows(part, turned, grid, own, other, face, rows, &f->places[e->place], &f->G[e->first],
              f->force, f->sums);
     f->force += rows, e++;
   } while (e < f->end && is_like(e, own, other, face, rows));
@@ -316,38 +344,39 @@ CT_INLINE const ct_group *add_like(row_part part, int turned, double coarse, int
 }
 
 /* Gᵀ times the forces of rows. */
-CT_INLINE void add_groups(row_part part, double coarse, const ct_group *groups, int64_t count,
+CT_INLINE void add_groups(row_part part, spacings grid, const ct_group *groups, int64_t count,
                           const int32_t *places, const double *G, const double *force,
                           double *restrict sums)
 {
   forces f = {places, G, force, sums, groups + count};
   for (const ct_group *e = groups; e < f.end;)
-    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, 1, coarse, 4, 4, 1, 4, e, &f);
-    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, 1, coarse, 4, 0, 1, 4, e, &f);
+    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, 1, grid, 4, 4, 1, 4, e, &f);
+    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, 1, grid, 4, 0, 1, 4, e, &f);
     else if (e->own == 4 && e->other == 4)
-      e = add_like(part, 0, coarse, 4, 4, e->face, e->rows, e, &f);
+      e = add_like(part, 0, grid, 4, 4, e->face, e->rows, e, &f);
     else if (e->own == 8 && e->other == 8)
-      e = add_like(part, 0, coarse, 8, 8, e->face, e->rows, e, &f);
-    else e = add_like(part, 0, coarse, e->own, e->other, e->face, e->rows, e, &f);
+      e = add_like(part, 0, grid, 8, 8, e->face, e->rows, e, &f);
+    else e = add_like(part, 0, grid, e->own, e->other, e->face, e->rows, e, &f);
 }
 
 CT_CLONES
 void ct_add_full(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
                  const double *G, const double *force, double *restrict sums)
 {
-  add_groups(FULL, coarse, groups, count, places, G, force, sums);
+  add_groups(FULL, (spacings){coarse, 0.0}, groups, count, places, G, force, sums);
 }
 
 CT_CLONES
 void ct_add_along(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
                   const double *G, const double *force, double *restrict sums)
 {
-  add_groups(ALONG, coarse, groups, count, places, G, force, sums);
+  add_groups(ALONG, (spacings){coarse, 0.0}, groups, count, places, G, force, sums);
 }
 
 CT_CLONES_NODES
-void ct_add_sizes(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
-                  const double *G, const double *force, double *restrict sums)
+void ct_add_bound(double coarse, double sizes, const ct_group *groups, int64_t count,
+                  const int32_t *places, const double *G, const double *force,
+                  double *restrict sums)
 {
-  add_groups(SIZES, coarse, groups, count, places, G, force, sums);
+  add_groups(BOUND, (spacings){coarse, sizes}, groups, count, places, G, force, sums);
 }

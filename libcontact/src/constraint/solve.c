@@ -124,15 +124,15 @@ static double add_coarse(double coarse, const double *terms, int64_t count)
   return sum;
 }
 
-/* The gradient, of which it has the gaps that the forces open. */
+/* The gradient, from the gaps that the forces open. */
 CT_CLONES
-static void add_laws(int64_t count, const double *C, const double *force, const double *free,
-                     const double *b, double *restrict gradient)
+static void add_laws(int64_t count, const double *gaps, const double *C, const double *force,
+                     const double *free, const double *b, double *gradient)
 {
 #pragma omp simd
   for (int64_t r = 0; r < count; r++)
     // -- r = (W + C) λ + g_free + b (eq:constraint-function)
-    gradient[r] = (gradient[r] + C[r] * force[r]) + (free[r] + b[r]);
+    gradient[r] = (gaps[r] + C[r] * force[r]) + (free[r] + b[r]);
 }
 
 /* Whether friction needs the motion of the nodes by the forces, and cannot have it at once. */
@@ -141,12 +141,14 @@ static int is_followed(const ct_solver *s)
   return s->tangent != NULL && s->tangent->coupled && !s->along;
 }
 
-/* The gradient at the present forces. */
+/* The gradient at the present forces; W times those with which it begins may be known. */
 static int find_gradient(ct_solver *s)
 {
-  if (!ct_matrix_apply(s, s->force, s->gradient)) return 0;
+  const double *gaps = s->applied ? s->after : s->gradient;
+  if (!s->applied && !ct_matrix_apply(s, s->force, s->gradient)) return 0;
+  s->applied = 0;
   if (is_followed(s)) ct_matrix_take(s, s->tangent->pressed);
-  add_laws(s->count, s->C, s->force, s->free, s->b, s->gradient);
+  add_laws(s->count, gaps, s->C, s->force, s->free, s->b, s->gradient);
   return 1;
 }
 
@@ -182,16 +184,22 @@ static double product(const ct_solver *s, const double *x, const double *y)
  * force, and the largest term of the guide times the gradient. */
 enum { MOST, LIFT, TOP, TERM, MEASURES };
 
-/* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force, and the
- * terms of its product with the gradient. */
-CT_CLONES
-static void descend(int64_t count, const double *gradient, const double *scale, const double *force,
-                    const double *least, double *restrict steps, double *restrict guide,
-                    double *restrict terms, double measures[MEASURES])
+/* Step along the direction, of which `image` is the image, if that `moves`; then `image` becomes the
+ * steps of all rows. `guide` is the gradient over D in rows with a force, and `terms`
+ * those of its product with the gradient. */
+CT_INLINE void descend(int moves, double length, int64_t count, const double *scale, const double *least,
+                       const double *direction, double *restrict force, double *restrict gradient,
+                       double *restrict image, double *restrict guide, double *restrict terms,
+                       double measures[MEASURES])
 {
   double most = 0.0, top = 0.0, lift = 0.0, largest = 0.0, all = 0.0;
 #pragma omp simd reduction(max : most, top, lift, largest) reduction(+ : all)
   for (int64_t r = 0; r < count; r++) {
+    if (moves) {
+      const double next = force[r] - length * direction[r];
+      force[r] = next > least[r] ? next : least[r];
+      gradient[r] -= length * image[r];
+    }
     // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration), or
     // that of a tie, which has no limit (eq:tie-force)
     double down = gradient[r] * scale[r], above = force[r] - least[r],
@@ -199,7 +207,7 @@ static void descend(int64_t count, const double *gradient, const double *scale, 
            strength = fabs(force[r]), leads = above > 0.0 ? down : 0.0, term = leads * gradient[r],
            part = fabs(term);
     guide[r] = leads;
-    steps[r] = step;
+    image[r] = step;
     terms[r] = term;
     all += part; // as in ct_largest
     largest = part > largest ? part : largest;
@@ -237,19 +245,6 @@ static void find_image(int64_t count, const double *C, const double *force, cons
   measures[1] = isfinite(all) ? largest : INFINITY;
 }
 
-/* Step along the direction, and update the gradient. */
-CT_CLONES
-static void step_along(int64_t count, double length, const double *direction, const double *image,
-                       const double *least, double *restrict force, double *restrict gradient)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) {
-    double next = force[r] - length * direction[r];
-    force[r] = next > least[r] ? next : least[r];
-    gradient[r] -= length * image[r];
-  }
-}
-
 /* The next direction: the guide, plus a multiple of the last direction that makes both conjugate,
  * unless it is the first. */
 CT_CLONES
@@ -260,21 +255,32 @@ static void next_direction(int64_t count, double share, const double *guide,
   for (int64_t r = 0; r < count; r++) direction[r] = guide[r] + share * direction[r];
 }
 
-/* Step all forces down the gradient, none below its least value: this always decreases the function
- * (eq:constraint-iteration). */
-static int step_down(ct_solver *s)
+/* The same, with a loop for each kind. */
+CT_CLONES
+static void descend_along(const ct_solver *s, double length, double measures[MEASURES])
+{
+  if (length != 0.0)
+    descend(1, length, s->count, s->scale, s->least, s->direction, s->force, s->gradient, s->image,
+            s->guide, s->terms, measures);
+  else
+    descend(0, 0.0, s->count, s->scale, s->least, s->direction, s->force, s->gradient, s->image,
+            s->guide, s->terms, measures);
+}
+
+/* Step all forces down the gradient, after one along the direction, none below its least value:
+ * this always decreases the function (eq:constraint-iteration). */
+static int step_down(ct_solver *s, double length)
 {
   double measures[MEASURES];
-  descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms,
-          measures);
+  descend_along(s, length, measures);
   for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->image[r];
   return find_gradient(s);
 }
 
-/* Step along the direction, whose product with the gradient is given, to the minimum or the first
- * zero force (eq:proportioning). Returns whether a new first direction is needed, or -1 if forces
- * are not finite. */
-static int improve(ct_solver *s, double slope)
+/* Step along the direction, whose product with the gradient is given, to the minimum, the `length`
+ * of which is left to the next descent, or the first zero force (eq:proportioning). Returns whether
+ * a new first direction is needed, or -1 if forces are not finite. */
+static int improve(ct_solver *s, double slope, double *length)
 {
   double measures[2];
   if (!ct_matrix_apply(s, s->direction, s->image)) return -1;
@@ -282,14 +288,16 @@ static int improve(ct_solver *s, double slope)
   ct_pieces_largest(s->pieces, measures, 2);
   const double longest = measures[0] > 0.0 ? 1.0 / measures[0] : DBL_MAX,
                curvature = sum_terms(s, measures[1]), best = slope / curvature;
+  *length = 0.0;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
-    const double length = best < longest ? best : longest;
-    step_along(s->count, length, s->direction, s->image, s->least, s->force, s->gradient);
-    if (is_followed(s)) ct_matrix_follow(s, -length, s->tangent->pressed);
+    *length = best < longest ? best : longest;
+    if (is_followed(s)) ct_matrix_follow(s, -*length, s->tangent->pressed);
     if (best < longest) return 0;
   }
   // -- Beyond this length a force would be tensile
-  return step_down(s) ? 1 : -1;
+  const int stepped = step_down(s, *length);
+  *length = 0.0;
+  return stepped ? 1 : -1;
 }
 
 /* Whether the rows without a force promise a larger decrease than those with one; then their steps
@@ -401,12 +409,12 @@ static int is_solved(ct_solver *s, double tolerance, double most, double top)
 static int find_forces(ct_solver *s)
 {
   const double least = tolerance_of(s);
-  double last = 0.0, tolerance = least <= CT_SOLVER_TIGHT ? 10.0 * least : least;
+  double last = 0.0, length = 0.0, tolerance = least <= CT_SOLVER_TIGHT ? 10.0 * least : least;
   int first = 1;
   if (!find_gradient(s) || !is_finite(s)) return 0;
   for (;; tolerance = least) {
     double d[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, s->terms, d);
+    descend_along(s, length, d);
     ct_pieces_largest(s->pieces, d, MEASURES);
     s->converged = is_solved(s, tolerance, d[MOST], d[TOP]);
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
@@ -417,7 +425,7 @@ static int find_forces(ct_solver *s)
                              : sum_terms(s, d[TERM]);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
-    first = improve(s, slope);
+    first = improve(s, slope, &length);
     if (first < 0) return 0;
     first = first || release;
     last = slope;

@@ -139,6 +139,8 @@ typedef struct ct_solver {
   double *back;               /* of each set: that of its layer if the set behind it was pressed */
   struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */
   struct ct_tangent *tangent; /* null: no friction */
+  int applied;                /* whether `after` is W times the forces with which the solver begins
+                                 */
   int iterations;             /* of the last solution */
   int converged;              /* whether it met the tolerance */
   int judged;                 /* whether its energy was looked at last; then its next gaps and what
