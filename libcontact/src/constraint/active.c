@@ -309,8 +309,11 @@ static int find_releases(ct_solver *s)
   double *opens = s->terms, *alone = s->image;
   find_alone(s->count, s->free, s->b, s->C, s->scale, alone);
   if (s->layer_count > 0) find_passing(s);
-  find_openings(s, alone, 1, opens);
-  double some = !ct_is_zero(opens, s->count);
+  double some = s->layer_count > 0 || ct_law_fall(&s->laws, alone);
+  if (some != 0.0) {
+    find_openings(s, alone, 1, opens);
+    some = !ct_is_zero(opens, s->count);
+  }
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 0;
   ct_law_take_debts(&s->laws);

@@ -81,6 +81,19 @@ CT_INLINE void find_releases(const ct_law_rows *of, const double *bound, double 
 }
 
 CT_CLONES
+int ct_law_fall(const ct_law_rows *rows, const double *alone)
+{
+  const ct_law_rows of = *rows; // whose arrays are not read again after each number
+  const double part = PARTS[CT_OPENS_TOGETHER];
+  double some = 0.0;
+#pragma omp simd reduction(+ : some)
+  for (int64_t r = 0; r < of.count; r++)
+    some +=
+        ((of.reserve[r] > 0.0) & (alone[r] <= part * (of.force[r] - of.release[r]))) ? 1.0 : 0.0;
+  return some != 0.0;
+}
+
+CT_CLONES
 void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
                           const double *force, ct_opening how, const double *back, double *opens)
 {

@@ -358,6 +358,16 @@ static void find_sizes(ct_solver *s)
   }
 }
 
+/* Add numbers and their sizes in any order. */
+CT_CLONES
+static void add_roughly(int64_t count, const double *terms, double sums[2])
+{
+  double sum = 0.0, size = 0.0;
+#pragma omp simd reduction(+ : sum, size)
+  for (int64_t r = 0; r < count; r++) sum += terms[r], size += fabs(terms[r]);
+  sums[0] += sum, sums[1] += size;
+}
+
 /* Σ of the terms of a set's rows, independent of their order. */
 static double sum_set(const ct_solver *s, int32_t k)
 {
@@ -370,6 +380,19 @@ static double sum_set(const ct_solver *s, int32_t k)
   return ct_stream_sum(&sum);
 }
 
+/* Whether the terms of a set's rows have a sum that no rounding makes negative, in whatever order
+ * they are added. */
+static int is_positive(const ct_solver *s, int32_t k)
+{
+  const int64_t *points = &s->first_point[k], *opening = &s->first_release[k];
+  double sums[2] = {0.0, 0.0};
+  add_roughly(points[1] - points[0], &s->terms[points[0]], sums);
+  add_roughly(opening[1] - opening[0], &s->terms[opening[0]], sums);
+  ct_pieces_sum(s->pieces, sums, 2);
+  // n terms are added to within n ε / 2 of their sizes.
+  return sums[0] > (double)s->all_count * DBL_EPSILON * sums[1];
+}
+
 /* Whether the rows of each set together lose energy, to rounding: then the energy of the bodies and
  * of the rows does not grow, whatever the forces are (eq:energy-stop). */
 static int loses_energy(ct_solver *s)
@@ -377,6 +400,7 @@ static int loses_energy(ct_solver *s)
   find_after(s->count, s->gradient, s->b, s->C, s->force, s->after);
   find_losses(s);
   for (int32_t k = 0; k < s->set_count; k++) {
+    if (is_positive(s, k)) continue;
     const double sum = sum_set(s, k);
     if (sum >= 0.0) continue;
     // Round-off counts only where the losses are not positive.
