@@ -147,8 +147,8 @@ void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, d
 void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double dt,
                           const double *force, ct_opening how, const double *back, double *opens);
 
-/* Whether any of the rows holds energy, and has without its neighbours so small a force `alone` that
- * it may open, if not for a wave that a layer sends back: most often there is none. */
+/* Whether any of the rows holds energy, and has without its neighbours so small a force `alone`
+ * that it may open, if not for a wave that a layer sends back: most often there is none. */
 int ct_law_fall(const ct_law_rows *rows, const double *alone);
 
 /* What is left of a reserve K, or of a debt, K < 0, when points that hold H pay for those that owe

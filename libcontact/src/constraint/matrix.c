@@ -46,7 +46,7 @@ CT_INLINE const ct_quad *normal_of(const ct_constraint *c)
 }
 
 /* What differs between the groups: bits of normals from that of the first row of all; and the nodes
- * of a group, or where they begin, from those of the last step. */
+ * and points of a group, or where they begin, from those of the last step. */
 typedef struct changes {
   ct_quad_bits normal;
   int nodes, begin;
@@ -100,16 +100,16 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     G += step, rows++;
   } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
            row[rows]->own_count == own && row[rows]->other_count == other);
+  const int face = own == 4 && rows == 4 && ct_rows_are_square(row);
   if (d->begin || g->nodes != mine || g->others != theirs || g->own != own || g->other != other ||
-      g->rows != rows) {
+      g->rows != rows || g->face != face) {
     d->nodes = 1;
     g->nodes = mine, g->others = theirs;
-    g->own = (int8_t)own, g->other = (int8_t)other, g->rows = rows;
+    g->own = (int8_t)own, g->other = (int8_t)other, g->rows = rows, g->face = (int16_t)face;
     find_places(own, mine, number, place);
     find_places(other, theirs, number, place + own);
   }
-  g->face = (int16_t)(own == 4 && rows == 4 && ct_rows_are_square(row));
-  const int turned = g->face && (other == 4 || other == 0),
+  const int turned = face && (other == 4 || other == 0),
             again = g > s->groups && own == 4 && other == 0 && rows == 4 && repeats(g - 1, row);
   const int64_t next = again ? g->first : g->first + (turned ? 2 : 1) * rows * step;
   if (again) g->first = g[-1].first;
@@ -260,13 +260,17 @@ static void list_active_nodes(ct_solver *s)
   if (s->pieces == NULL) s->most_row_count = most;
 }
 
-/* Count the rows at each node, and list the nodes with rows. */
+/* Count the rows at each node, and list the nodes with rows; and the groups that are alike. */
 static void count_rows(ct_solver *s)
 {
   memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
-  for (const ct_group *g = s->groups; g < s->groups + s->group_count; g++)
+  for (ct_group *g = s->groups + s->group_count; g-- > s->groups;) {
+    const int alike = g + 1 < s->groups + s->group_count && g->own == g[1].own &&
+                      g->other == g[1].other && g->face == g[1].face && g->rows == g[1].rows;
+    g->alike = alike ? g[1].alike + 1 : 1;
     for (int32_t a = 0; a < g->own + g->other; a++)
       s->row_counts[s->entry_place[g->place + a] / WIDE] += g->rows;
+  }
   list_active_nodes(s);
   s->counted = 1;
 }

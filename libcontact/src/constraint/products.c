@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stddef.h>
-#include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4, FOUR = 4 * PARTS };
 
@@ -159,8 +158,7 @@ CT_INLINE void times_face(row_part part, int32_t other, const int32_t *place, co
     for (int32_t a = 0; a < 4 + other; a++) {
       const double *v = &x[place[a]];
       const ct_quad w = b[PARTS * a];
-      t[a] = part == ALONG ? w * v[3]
-                           : ((n[0] * v[0] + n[PARTS] * v[1]) + n[2 * PARTS] * v[2]) * w;
+      t[a] = part == ALONG ? w * v[3] : ((n[0] * v[0] + n[PARTS] * v[1]) + n[2 * PARTS] * v[2]) * w;
     }
     sum_nodes(other, t, (ct_quad *)out + i);
     if (part != BOUND) continue;
@@ -169,13 +167,10 @@ CT_INLINE void times_face(row_part part, int32_t other, const int32_t *place, co
   }
 }
 
-/* Whether a group has some numbers of nodes and rows. */
-#define COUNTS_OF(group) ((const char *)(group) + offsetof(ct_group, own))
-CT_INLINE int is_like(const ct_group *g, int32_t own, int32_t other, int face, int32_t rows)
+/* Whether a group is the four points of a face with four nodes over another one, or over none. */
+CT_INLINE int are_four(const ct_group *g, int32_t other)
 {
-  const ct_group like = {
-      .own = (int8_t)own, .other = (int8_t)other, .face = (int16_t)face, .rows = rows};
-  return memcmp(COUNTS_OF(g), COUNTS_OF(&like), sizeof(ct_group) - offsetof(ct_group, own)) == 0;
+  return g->own == 4 && g->other == other && g->face && g->rows == 4;
 }
 
 /* Vectors of a product: at the nodes, and at the rows from those of a group on, of a BOUND two. */
@@ -185,18 +180,20 @@ typedef struct factors {
   double *out, *sizes, *end;
 } factors;
 
-/* The product of groups with the same numbers of nodes and rows, which follow on each other: most
- * do, so that these numbers are constants in a loop. Returns the group behind them. */
+/* The product of groups that are alike and follow on each other: most do, so that their numbers are
+ * constants in a loop. Returns the group behind them. */
 CT_INLINE const ct_group *times_like(row_part part, int turned, int32_t own, int32_t other,
-                                     int face, int32_t rows, const ct_group *e, factors *f)
+                                     int32_t rows, const ct_group *e, factors *f)
 {
+  const int64_t left = (f->end - f->out) / rows;
+  const ct_group *end = e + (left < e->alike ? left : e->alike);
   do {
     const int32_t *place = &f->places[e->place];
     const double *G = &f->G[e->first];
     if (turned) times_face(part, other, place, G, f->x, f->out, f->sizes);
     else times_rows(part, own, other, rows, place, G, f->x, f->out, f->sizes);
     f->out += rows, f->sizes += part == BOUND ? rows : 0, e++;
-  } while (f->out < f->end && is_like(e, own, other, face, rows));
+  } while (e < end);
   return e;
 }
 
@@ -207,11 +204,11 @@ CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count
 {
   factors f = {places, G, x, out, sizes, out + count};
   for (const ct_group *e = groups; f.out < f.end;)
-    if (is_like(e, 4, 4, 1, 4)) e = times_like(part, 1, 4, 4, 1, 4, e, &f);
-    else if (is_like(e, 4, 0, 1, 4)) e = times_like(part, 1, 4, 0, 1, 4, e, &f);
-    else if (e->own == 4 && e->other == 4) e = times_like(part, 0, 4, 4, e->face, e->rows, e, &f);
-    else if (e->own == 8 && e->other == 8) e = times_like(part, 0, 8, 8, e->face, e->rows, e, &f);
-    else e = times_like(part, 0, e->own, e->other, e->face, e->rows, e, &f);
+    if (are_four(e, 4)) e = times_like(part, 1, 4, 4, 4, e, &f);
+    else if (are_four(e, 0)) e = times_like(part, 1, 4, 0, 4, e, &f);
+    else if (e->own == 4 && e->other == 4) e = times_like(part, 0, 4, 4, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8) e = times_like(part, 0, 8, 8, e->rows, e, &f);
+    else e = times_like(part, 0, e->own, e->other, e->rows, e, &f);
 }
 
 CT_CLONES
@@ -330,16 +327,17 @@ typedef struct forces {
   const ct_group *end;
 } forces;
 
-/* Add the rows of groups with the same numbers of nodes and rows, as times_like. */
+/* Add the rows of groups that are alike, as times_like. */
 CT_INLINE const ct_group *add_like(row_part part, int turned, spacings grid, int32_t own,
                                    int32_t other, int face, int32_t rows, const ct_group *e,
                                    forces *f)
 {
+  const ct_group *end = f->end - e < e->alike ? f->end : e + e->alike;
   do {
     add_rows(part, turned, grid, own, other, face, rows, &f->places[e->place], &f->G[e->first],
              f->force, f->sums);
     f->force += rows, e++;
-  } while (e < f->end && is_like(e, own, other, face, rows));
+  } while (e < end);
   return e;
 }
 
@@ -350,8 +348,8 @@ CT_INLINE void add_groups(row_part part, spacings grid, const ct_group *groups, 
 {
   forces f = {places, G, force, sums, groups + count};
   for (const ct_group *e = groups; e < f.end;)
-    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, 1, grid, 4, 4, 1, 4, e, &f);
-    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, 1, grid, 4, 0, 1, 4, e, &f);
+    if (are_four(e, 4)) e = add_like(part, 1, grid, 4, 4, 1, 4, e, &f);
+    else if (are_four(e, 0)) e = add_like(part, 1, grid, 4, 0, 1, 4, e, &f);
     else if (e->own == 4 && e->other == 4)
       e = add_like(part, 0, grid, 4, 4, e->face, e->rows, e, &f);
     else if (e->own == 8 && e->other == 8)

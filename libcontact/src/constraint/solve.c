@@ -184,13 +184,13 @@ static double product(const ct_solver *s, const double *x, const double *y)
  * force, and the largest term of the guide times the gradient. */
 enum { MOST, LIFT, TOP, TERM, MEASURES };
 
-/* Step along the direction, of which `image` is the image, if that `moves`; then `image` becomes the
- * steps of all rows. `guide` is the gradient over D in rows with a force, and `terms`
- * those of its product with the gradient. */
-CT_INLINE void descend(int moves, double length, int64_t count, const double *scale, const double *least,
-                       const double *direction, double *restrict force, double *restrict gradient,
-                       double *restrict image, double *restrict guide, double *restrict terms,
-                       double measures[MEASURES])
+/* Step along the direction, of which `image` is the image, if that `moves`; then `image` becomes
+ * the steps of all rows. `guide` is the gradient over D in rows with a force, and `terms` those of
+ * its product with the gradient. */
+CT_INLINE void descend(int moves, double length, int64_t count, const double *scale,
+                       const double *least, const double *direction, double *restrict force,
+                       double *restrict gradient, double *restrict image, double *restrict guide,
+                       double *restrict terms, double measures[MEASURES])
 {
   double most = 0.0, top = 0.0, lift = 0.0, largest = 0.0, all = 0.0;
 #pragma omp simd reduction(max : most, top, lift, largest) reduction(+ : all)

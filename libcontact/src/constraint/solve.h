@@ -46,9 +46,10 @@ static inline int ct_solver_accepts(double given)
 typedef struct ct_group {
   int64_t first, place;          /* of its numbers and of its nodes */
   const int32_t *nodes, *others; /* of both faces, as a row has them */
-  int8_t own, other;             /* nodes; compared together with the next two numbers */
+  int8_t own, other;             /* nodes */
   int16_t face; /* whether the rows are the four points of a 2 x 2 rule in their order */
   int32_t rows;
+  int32_t alike; /* groups from this one on that have the same four numbers */
 } ct_group;
 
 struct ct_tangent;
@@ -140,7 +141,7 @@ typedef struct ct_solver {
   struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */
   struct ct_tangent *tangent; /* null: no friction */
   int applied;                /* whether `after` is W times the forces with which the solver begins
-                                 */
+                               */
   int iterations;             /* of the last solution */
   int converged;              /* whether it met the tolerance */
   int judged;                 /* whether its energy was looked at last; then its next gaps and what
