@@ -10,7 +10,7 @@ NU, TRAVEL = 0.3, 56.0
 
 
 def row(k, courant=0.0, consistent=False):
-    """Frequency and group velocity of waves k in a row of masses and springs, with lumped or consistent mass."""
+    """Frequency and group velocity of waves k in a row of masses, lumped or consistent."""
     omega = 2 * np.sin(0.5 * k)
     if consistent:
         return omega / np.sqrt((2 + np.cos(k)) / 3), None  # (eq:dispersion-axis)

@@ -5,7 +5,7 @@ from wall import ramp
 
 
 def impact(elements=100, courant=1.0, travel=3.0, penalty=1e3, controlled=True):
-    """Equal bars of length, stiffness, density and speed 1. Times, stresses of all elements, contact forces."""
+    """Bars of length, stiffness, density and speed 1: times, stresses, forces, last velocities."""
     h = 1.0 / elements
     dt = courant * h  # (eq:week-courant)
     last, first = elements, elements + 1  # last node of the left bar, first of the right
