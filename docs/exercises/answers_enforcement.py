@@ -33,8 +33,8 @@ def test_enforcement_ratio(says):
 def bar_on_wall(fraction, **law):
     scene = ct.Scene(title="bar", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("elastic", young=1.0, poisson=0.0, density=1.0)
-    box = {"origin": [0.02, 0, 0], "size": [1, 0.05, 0.05], "cells": [10, 1, 1]}
-    scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
+    box = {"origin": [2e-4, 0, 0], "size": [1, 0.05, 0.05], "cells": [10, 1, 1]}
+    scene.add_body("bar", material="elastic", box=box, velocity=[-0.01, 0, 0])
     plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=plane, **law)
     scene.set_output(every=1, fields=[]).set_time(end=2.6, fraction=fraction)
