@@ -7,18 +7,17 @@ from shared.scenes import bar_on_wall, done
 
 def ledger():
     """Energies of a bar that hits a wall."""
-    run = bar_on_wall().set_time(end=2.6, fraction=0.9).run(progress=False, output=False)
+    run = done(bar_on_wall().set_time(end=2.6, fraction=0.9))
     figure = Figure(figsize=(7.5, 3.2))
     ax, off = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     start = run.energy["total"][0]
-    for name, colour in (("kinetic", BLUE), ("strain", ORANGE), ("contact", GREEN)):
-        if name in run.energy.dtype.names:
-            ax.plot(run.time, run.energy[name] / start, color=colour, label=name)
+    for name, colour in (("kinetic", BLUE), ("strain", ORANGE), ("reserve", GREEN)):
+        ax.plot(run.time, run.energy[name] / start, color=colour, label=name)
     ax.plot(run.time, run.energy["total"] / start, color="black", label="total")
     ax.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     ax.set(ylabel="energy / start", ylim=(-0.05, 1.1))
     off.plot(run.time, 1e3 * (run.energy["total"] / start - 1), color="black")
-    off.set(xlabel="time c t / L", ylabel="loss, ‰")
+    off.set(xlabel="time c t / L", ylabel="change, ‰")
     return figure
 
 
