@@ -12,6 +12,7 @@ import importlib.util
 import os
 import shutil
 import sys
+import warnings
 from pathlib import Path
 
 from hawkmoth.util.compiler import get_include_args
@@ -26,6 +27,8 @@ os.environ.setdefault(
     "LIBCONTACT_TIMES", "no"
 )  # how long this machine took is of no use to readers
 os.environ["LIBCONTACT_DOCS"] = ""  # messages in the book have no address of a book on this machine
+# Nor has a warning on the page of a tutorial the path of its program.
+warnings.formatwarning = lambda message, category, *_: f"{category.__name__}: {message}\n"
 RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
 
 sys.path.insert(0, str(DOCS / "_ext"))
