@@ -162,7 +162,8 @@ phi = (np.arange(4000) + 0.5) / 4000
 fractions = [0.3, 0.6, 0.9]
 energies = {f: rebound(f, phi, penalty) for f in fractions}
 
-curves = {f"penalty, f = {f}": (phi, energies[f]) for f in fractions}
+colours = ["tab:blue", "tab:orange", "tab:red"]
+curves = {f"penalty, f = {f}": (phi, energies[f], c) for f, c in zip(fractions, colours)}
 curves["energy-controlled, f = 0.9"] = (phi, rebound(0.9, phi, energy_controlled), "C2--")
 fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3.8), layout="constrained")
 labels = {"xlabel": r"landing $\varphi$ between two steps", "title": "One impact"}
@@ -234,7 +235,7 @@ assert abs(energies[0.9].max() - (4 * 0.9**2 - 1) ** 2) < 0.01
 
 rng = np.random.default_rng(1)
 blows = np.arange(201)
-for f, colour in zip(fractions, ("tab:blue", "tab:orange", "tab:red")):
+for f, colour in zip(fractions, colours):
     table = rebound(f, phi, penalty)
     walks = np.cumsum(np.log10(table[rng.integers(len(phi), size=(200, 20))]), axis=0)
     right.plot(blows, np.vstack([np.zeros(20), walks]), color=colour, lw=0.6)
