@@ -133,8 +133,8 @@ def named(name, result, n, off):
 # We take the row of elements next to z = 0. Waves from the free faces have not reached it yet, so
 # the exact solution is a single jump. Elements cannot represent a jump: the stress oscillates
 # behind the front. This is dispersion (:doc:`/theory/dispersion`), and the reference without
-# contact shows it too. Contact adds the peak in the two elements at x = 0: with a stiff penalty
-# the contact points vibrate at the highest frequency of the elements.
+# contact shows it too. Contact adds the peak in the two elements at x = 0: there the nodes vibrate
+# on the penalty, faster than any wave of the mesh, so no wave takes this away (:eq:`surface-mode`).
 
 
 def fig4_line(body):
