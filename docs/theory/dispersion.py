@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 import libcontact as ct
 
-NU, TRAVEL = 0.3, 56.0
+NU, TRAVEL, SPEED = 0.3, 56.0, 0.01
 
 
 def row(k, courant=0.0, consistent=False):
@@ -40,13 +40,13 @@ def column(element="hex8", integrator="central_difference", courant=0.125, trave
     young = (1 + NU) * (1 - 2 * NU) / (1 - NU)
     scene.add_material("elastic", young=young, poisson=NU, density=1.0)
     box = {"origin": [0, 0, 0], "size": [cells, 1, 1], "cells": [cells, 1, 1]}
-    scene.add_body("row", material="elastic", element=element, box=box, velocity=[-1, 0, 0])
+    scene.add_body("row", material="elastic", element=element, box=box, velocity=[-SPEED, 0, 0])
     scene.add_support("row.x_min", fix="x")
     for face in ("y_min", "y_max", "z_min", "z_max"):
         scene.add_support(f"row.{face}", fix=face[0])
     scene.set_time(end=travel, courant=courant, integrator=integrator)
     stress = scene.run(progress=False, output=False).state["row"].stress[:, 0]
-    return ct.Front(np.arange(cells) + 0.5, -stress)
+    return ct.Front(np.arange(cells) + 0.5, -stress / SPEED)
 
 
 def long_front(distance, courant, travel=TRAVEL):
