@@ -25,14 +25,14 @@ static void settled(void)
         block b = {.xi = {[3] = place[i], [11] = place[j]}};
         b.gap[3] = k % 2 ? 0.501 : 0.499;
         b.rival[3] = k / 2;
-        settle(&p, &b);
-        tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0), "closest point (%g, %g) at %g, %s",
-               place[i], place[j], b.gap[3], k / 2 ? "with a rival" : "alone");
+        tap_ok((find_settled(&p, &b, 1u << 3) != 0) == (i == 1 && j == 1 && k == 0),
+               "closest point (%g, %g) at %g, %s", place[i], place[j], b.gap[3],
+               k / 2 ? "with a rival" : "alone");
       }
 }
 
-/* Eight such points are settled together, unless one of them is on an edge or comes into contact;
- * and coincide with their closest points if one of them does. */
+/* Eight such points are settled together, unless one of them is on an edge, comes into contact, has
+ * jumped, coincides with its closest point or has a rival. */
 static void together(void)
 {
   ct_search search = {.size = 1.0};
@@ -40,14 +40,15 @@ static void together(void)
   const ct_pass p = {.side = &side, .project = ct_project_options_default(), .depth = 0.5};
   int wrong = 0;
   for (int l = 0; l < CT_WARM; l++)
-    for (int k = 0; k < 5; k++) {
-      block b = {.number = 0};
-      for (int i = 0; i < CT_WARM; i++) b.gap[i] = 0.1, b.last[i] = CT_POINT_OUTSIDE;
+    for (int k = 0; k < 7; k++) {
+      block b = {.rivals = k == 6};
+      for (int i = 0; i < CT_WARM; i++) b.gap[i] = 0.1, b.last[i] = state_of(0.1);
       if (k == 1) b.xi[l] = 1.0;
-      if (k >= 2) b.gap[l] = k < 4 ? -0.1 : 1e-13;
-      if (k == 3) b.last[l] = CT_POINT_INSIDE;
-      settle(&p, &b);
-      wrong += b.sure != (k != 1 && k != 2) || b.touches != (k == 4);
+      if (k == 2 || k == 3) b.gap[l] = -0.1;
+      if (k == 3) b.last[l] = state_of(-0.1);
+      if (k == 4) b.gap[l] = 1e-13;
+      if (k == 5) memcpy(&b.last[l], (int32_t[]){CT_POINT_OUTSIDE, CT_POINT_JUMPED}, 8);
+      wrong += is_steady(&p, &b) != (k == 0 || k == 3);
     }
   tap_ok(wrong == 0, "eight points that are settled together, or not");
 }
@@ -60,11 +61,12 @@ static void touching(void)
   ct_side side = {.search = &search};
   const ct_pass p = {.side = &side};
   ct_point point = {.other = 0};
-  block b = {.touches = 1};
+  block b = {.number = 0};
   b.gap[3] = 1e-17, b.d[3] = 1e-17, b.direction[3] = -1.0, b.normal[16 + 3] = 1.0;
-  b.along[3] = b.motion[3] = 0.7, b.motion[16 + 3] = 0.2;
-  write_lanes(&p, &b, 4, 1, 3, &point);
-  tap_ok(point.row.normal[0] == 0.0 && point.row.normal[2] == 1.0 && point.along == 0.2,
+  b.along[3] = b.own[3] = 0.7, b.own[16 + 3] = 0.5, b.back[16 + 3] = 0.3;
+  write_lanes(&b, 4, 1, 3, &point);
+  write_state(&p, &b, 3, &point);
+  tap_ok(point.row.normal[0] == 0.0 && point.row.normal[2] == 1.0 && point.along == 0.5 - 0.3,
          "a touching point has the normal of the face, and the motion along it (%g)", point.along);
 }
 
@@ -252,7 +254,7 @@ static void motions(int per, int one)
   double u[2][3 * NODES + 1], wrong = 0.0;
   for (int i = 0; i < NODES; i++) nodes[i] = (7 * i + 5) % NODES;
   for (int i = 0; i <= 3 * NODES; i++) u[0][i] = sin(1.0 + i * i), u[1][i] = cos(2.0 + i * i);
-  ct_search search = {.per = per, .edges = 4, .faces = nodes};
+  ct_search search = {.per = per, .edges = 4, .faces = nodes, .x = u[0]};
   fixed.rule.count = count, fixed.point_count = 3 * count;
   for (int i = 0; i < 8 * count; i++)
     fixed.N[i / 8][i % 8] = fixed.across[i % 8][i / 8] = sin(3.0 * i);
@@ -264,14 +266,14 @@ static void motions(int per, int one)
         (ct_side){.fixed = &fixed, .search = &search, .points = point, .moved = u[s]};
   const ct_pass p = {.side = &contact.gaps.side[0], .other = &contact.gaps.side[1]};
   for (int first = 0; first + CT_WARM <= 3 * count; first++) {
-    block b = {.whole = {0}};
+    block b = {.one = {one, one}};
     for (int l = 0; l < CT_WARM; l++) {
       b.face[l] = (first + l) / count, b.q[l] = (first + l) % count;
       b.target[l] = one ? 1 : (first + l) % 3;
       for (int a = 0; a < per; a++) b.N[8 * a + l] = cos(first + 5.0 * a + l);
       for (int c = 0; c < 3; c++) b.direction[8 * c + l] = sin(first + 2.0 * c + l);
     }
-    for (int h = 0; h < 2; h++) b.whole[h] = b.face[4 * h] == b.face[4 * h + 3], b.one[h] = one;
+    for (int l = 0; l < CT_WARM; l += 4) load_own(&p, per, b.face[l] == b.face[l + 3], l, &b);
     find_motion(&p, per, &b);
     for (int l = 0; l < CT_WARM; l++) {
       ct_point *at = &point[first + l];

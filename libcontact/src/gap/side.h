@@ -35,8 +35,8 @@ typedef struct ct_point {
   ct_constraint row; /* of the constraint problem. `gap` is the signed distance minus `shift`; NaN
                         without `other`, or without a direction */
   int32_t other;     /* face of the other side, or -1 */
+  int listed;        /* whether the row is listed in this step */
   ct_point_status status;
-  int listed; /* whether the row is listed in this step */
   ct_point_jump jumped;
   double last_known; /* `known` of the last step */
   double xi[2];      /* parameters of the closest point on it, or 0 */

@@ -11,11 +11,9 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Eight points with all their results. Numbers of one kind lie side by side, one lane per point. */
+/* Eight points with all their results. Numbers of one kind lie side by side, one lane per point;
+ * the longer ones come first, so that all are aligned. */
 typedef struct block {
-  int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
-  int64_t number;             /* of the first point */
-  int count;                  /* of points; the other lanes repeat one of them */
   double origin[3 * CT_WARM]; /* middle of the face's box: subtracted from the positions and the
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
@@ -23,16 +21,16 @@ typedef struct block {
   double xi[2 * CT_WARM], normal[3 * CT_WARM];
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
-  double motion[3 * CT_WARM],
-      along[CT_WARM];   /* since the last update, relative to the closest point */
-  int whole[2], one[2]; /* whether four lanes are consecutive points of a face, and meet one */
-  ct_point_status last[CT_WARM],
-      next[CT_WARM];   /* its status, and if its last face is the nearest */
-  int rival[CT_WARM];  /* whether another face may be as near, or its own has no closest point */
-  int inside[CT_WARM]; /* whether its last face is the nearest one */
-  int enters[CT_WARM]; /* whether it comes into contact */
-  int sure;            /* whether all lanes are inside, and none enters */
-  int touches;         /* whether a point coincides with its closest point */
+  double own[3 * CT_WARM], back[3 * CT_WARM], /* motion of the points and of their closest points
+                                                 since the last update, ... */
+      along[CT_WARM];                         /* ... and of one relative to the other */
+  int64_t last[CT_WARM];                      /* its status and jump */
+  int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
+  int rival[CT_WARM]; /* whether another face may be as near, or its own has no closest point */
+  int64_t number;     /* of the first point */
+  int count;          /* of points; the other lanes repeat one of them */
+  int one[2];         /* whether four lanes meet one face */
+  int rivals;         /* whether a lane has one */
 } block;
 
 /* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
@@ -66,16 +64,15 @@ CT_INLINE void middle_of(const ct_bounds *box, double middle[4])
 
 /* Σ_a N_a (x_a - origin) of four lanes on one face, in the order of ct_side_sum; null: of 0.
  * Inlined with a known `per`, as below. */
-CT_INLINE void sum_one(int per, const int32_t *node, const double *x, const double *N, int stride,
+CT_INLINE void sum_one(int per, const int64_t *node, const double *x, const double *N, int stride,
                        const double *origin, double *out)
 {
-  const double *at[8] = {x};
-  for (int a = 0; a < per; a++) at[a] = &x[3 * (int64_t)node[a]];
   for (int c = 0; c < 3; c++)
     for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS) {
       const ct_quad none = {0.0}, from = origin ? *(const ct_quad *)&origin[CT_WARM * c + k] : none;
       ct_quad t[8];
-      for (int a = 0; a < per; a++) t[a] = *(const ct_quad *)&N[stride * a + k] * (at[a][c] - from);
+      for (int a = 0; a < per; a++)
+        t[a] = *(const ct_quad *)&N[stride * a + k] * ((&x[node[a]])[c] - from);
       ct_sum_face(per, t, (ct_quad *)&out[CT_WARM * c + k]);
     }
 }
@@ -101,19 +98,10 @@ CT_INLINE void sum_four(int per, const ct_search *search, const double *x, const
           (double *const[4]){out, out + CT_WARM, out + 2 * CT_WARM, unused});
 }
 
-/* The same for all lanes at the points of one side. */
-CT_INLINE void sum_own(const ct_pass *p, int per, const block *b, const double *x,
-                       const double *origin, double *out)
+/* Places of the coordinates of a face's nodes. */
+CT_INLINE void list_nodes(const ct_search *search, int per, int32_t face, int64_t node[8])
 {
-  const double *N = p->side->fixed->across[0];
-  for (int l = 0; l < CT_WARM; l += 4) {
-    const int32_t *q = &b->q[l], *node = &p->side->search->faces[(int64_t)b->face[l] * per];
-    const double *from = origin == NULL ? NULL : &origin[l];
-    if (b->whole[l / 4]) sum_one(per, node, x, &N[q[0]], 32, from, &out[l]);
-    else
-      sum_four(per, p->side->search, x, &b->face[l],
-               (const double *const[4]){&N[q[0]], &N[q[1]], &N[q[2]], &N[q[3]]}, 32, from, &out[l]);
-  }
+  for (int a = 0; a < per; a++) node[a] = 3 * (int64_t)search->faces[(int64_t)face * per + a];
 }
 
 /* The middle of the box of each of four lanes' faces, and the face's nodes relative to it. */
@@ -139,28 +127,38 @@ CT_INLINE void load_four(const ct_search *search, int per, int l, block *b)
 /* The same if all have one face. */
 CT_INLINE void load_one(const ct_search *search, int per, int l, block *b)
 {
-  const int32_t *node = &search->faces[(int64_t)b->target[l] * per];
-  const double *at[8] = {NULL};
+  const double *x = search->x;
+  int64_t node[8];
   double middle[4] = {0.0};
+  list_nodes(search, per, b->target[l], node);
   middle_of(&search->boxes[b->target[l]], middle);
-  for (int a = 0; a < per; a++) at[a] = &search->x[3 * (int64_t)node[a]];
   for (int c = 0; c < 3; c++)
     for (int k = l; k < l + 4; k += 4 / CT_QUAD_PARTS) {
       const ct_quad none = {0.0}, from = middle[c] - none;
       *(ct_quad *)&b->origin[CT_WARM * c + k] = from;
       for (int a = 0; a < per; a++)
-        *(ct_quad *)&b->nodes[CT_WARM * (3 * a + c) + k] = at[a][c] - from;
+        *(ct_quad *)&b->nodes[CT_WARM * (3 * a + c) + k] = (&x[node[a]])[c] - from;
     }
 }
 
-/* Positions of the points and of their last faces, both relative to the middle of the face's box.
- * Inlined with a known `per`. */
-CT_INLINE void load(const ct_pass *p, int per, block *b)
+/* Positions of four points relative to the middle of the box, and their motions; `whole`: they are
+ * consecutive points of a face. */
+CT_INLINE void load_own(const ct_pass *p, int per, int whole, int l, block *b)
 {
-  for (int l = 0; l < CT_WARM; l += 4)
-    if (b->one[l / 4]) load_one(p->other->search, per, l, b);
-    else load_four(p->other->search, per, l, b);
-  sum_own(p, per, b, p->side->search->x, b->origin, b->points);
+  const ct_search *search = p->side->search;
+  const double *N = p->side->fixed->across[0], *x = search->x, *moved = p->side->moved;
+  const int32_t *q = &b->q[l];
+  if (whole) {
+    int64_t node[8];
+    list_nodes(search, per, b->face[l], node);
+    N += q[0];
+    sum_one(per, node, x, N, 32, &b->origin[l], &b->points[l]);
+    sum_one(per, node, moved, N, 32, NULL, &b->own[l]);
+  } else {
+    const double *const of[4] = {&N[q[0]], &N[q[1]], &N[q[2]], &N[q[3]]};
+    sum_four(per, search, x, &b->face[l], of, 32, &b->origin[l], &b->points[l]);
+    sum_four(per, search, moved, &b->face[l], of, 32, NULL, &b->own[l]);
+  }
 }
 
 /* Four numbers of each of `count` points, one or four, from a member on, as lanes; and back. */
@@ -212,31 +210,30 @@ CT_INLINE unsigned take_points(const ct_pass *p, int64_t first, int count, block
   }
   for (int l = 0; l < count; l++) {
     b->target[l] = point[l].other;
-    b->last[l] = point[l].status;
+    memcpy(&b->last[l], &point[l].status, sizeof b->last[l]);
     signs |= point[l].other;
   }
-  for (int l = 0, next; l < count; l = next) {
+  for (int l = 0; l < count; l += l + 4 <= count ? 4 : 1) {
     double *const to[4] = {&b->start[l], &b->start[CT_WARM + l], &b->known[l], &b->unused[l]};
-    next = l % 4 == 0 && l + 4 <= count ? l + 4 : l + 1;
-    if (next == l + 4) read_numbers(offsetof(ct_point, xi), 4, &point[l], to);
+    if (l + 4 <= count) read_numbers(offsetof(ct_point, xi), 4, &point[l], to);
     else read_numbers(offsetof(ct_point, xi), 1, &point[l], to);
   }
   return signs >= 0 && count == CT_WARM ? (1u << CT_WARM) - 1 : repeat_points(count, b);
 }
 
-CT_CLONES
-static unsigned load_block(const ct_pass *p, int64_t first, int count, block *b)
+/* The points in lanes, with their faces; returns one bit for each that has one. Inlined with a
+ * known `per`. */
+CT_INLINE unsigned load_block(const ct_pass *p, int per, int64_t first, int count, block *b)
 {
   const unsigned warm =
       count == CT_WARM ? take_points(p, first, CT_WARM, b) : take_points(p, first, count, b);
-  if (warm == 0) return 0;
-  for (int h = 0; h < 2; h++) {
-    const int32_t *face = &b->face[4 * h], *to = &b->target[4 * h];
-    b->whole[h] = (face[0] == face[3]) & ((warm >> 4 * h & 15) == 15);
-    b->one[h] = (to[0] == to[1]) & (to[0] == to[2]) & (to[0] == to[3]);
+  for (int h = 0, l = 0; h < 2 && warm != 0; h++, l += 4) {
+    const int32_t *face = &b->face[l], *to = &b->target[l];
+    b->one[h] = to[0] == to[1] && to[0] == to[2] && to[0] == to[3];
+    if (b->one[h]) load_one(p->other->search, per, l, b);
+    else load_four(p->other->search, per, l, b);
+    load_own(p, per, face[0] == face[3] && (warm >> l & 15) == 15, l, b);
   }
-  if (p->side->search->per == 4) load(p, 4, b);
-  else load(p, 8, b);
   return warm;
 }
 
@@ -253,9 +250,9 @@ CT_INLINE void gaps(int per, block *b)
   for (int l = 0; l < CT_WARM; l++) {
     const double *n = &b->normal[l];
     double x = closest[l] - b->points[l], y = closest[8 + l] - b->points[8 + l],
-           z = closest[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
-    b->gap[l] = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? -distance : distance;
-    const double back = -b->gap[l];
+           z = closest[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z),
+           back = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? distance : -distance;
+    b->gap[l] = -back;
     b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
     b->direction[l] = x / back, b->direction[8 + l] = y / back, b->direction[16 + l] = z / back;
   }
@@ -265,23 +262,22 @@ CT_INLINE void gaps(int per, block *b)
  * with a known `per`. */
 CT_INLINE void find_motion(const ct_pass *p, int per, block *b)
 {
-  double own[3 * CT_WARM], back[3 * CT_WARM];
-  sum_own(p, per, b, p->side->moved, NULL, own);
-  for (int l = 0; l < CT_WARM; l += 4) {
+  const ct_search *search = p->other->search;
+  for (int h = 0, l = 0; h < 2; h++, l += 4) {
     const double *N = &b->N[l];
-    const int32_t *node = &p->other->search->faces[(int64_t)b->target[l] * per];
-    if (b->one[l / 4]) sum_one(per, node, p->other->moved, N, CT_WARM, NULL, &back[l]);
-    else
-      sum_four(per, p->other->search, p->other->moved, &b->target[l],
-               (const double *const[4]){N, N + 1, N + 2, N + 3}, CT_WARM, NULL, &back[l]);
+    if (b->one[h]) {
+      int64_t node[8];
+      list_nodes(search, per, b->target[l], node);
+      sum_one(per, node, p->other->moved, N, CT_WARM, NULL, &b->back[l]);
+    } else
+      sum_four(per, search, p->other->moved, &b->target[l],
+               (const double *const[4]){N, N + 1, N + 2, N + 3}, CT_WARM, NULL, &b->back[l]);
   }
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++) {
-    const double *n = &b->direction[l], *u = &own[l], *v = &back[l];
-    const double x = u[0] - v[0], y = u[8] - v[8], z = u[16] - v[16];
+    const double *n = &b->direction[l], *u = &b->own[l], *v = &b->back[l];
     // -- n·(Σ_a N_a u_a - Σ_b N̄_b u_b) (eq:admitted-store)
-    b->along[l] = (n[0] * x + n[8] * y) + n[16] * z;
-    b->motion[l] = x, b->motion[8 + l] = y, b->motion[16 + l] = z;
+    b->along[l] = (n[0] * (u[0] - v[0]) + n[8] * (u[8] - v[8])) + n[16] * (u[16] - v[16]);
   }
 }
 
@@ -351,7 +347,7 @@ CT_INLINE void mark_rivals(const lane_group *g, const ct_search *search, int32_t
     near[l] = ((x * x + y * y) + z * z <= most[l]) & (face != b->target[l]) & !b->rival[l];
   }
   for (int l = g->first; l < g->end; l++)
-    if (near[l]) b->rival[l] = is_near(search, face, &at[l], most[l]);
+    if (near[l]) b->rivals |= b->rival[l] = is_near(search, face, &at[l], most[l]);
 }
 
 /* The distance to which a lane searches for other faces, with a margin for rounding. */
@@ -399,37 +395,44 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   const int32_t *met = &p->side->met[b->number];
   const double *distant = &p->side->distant[b->number];
-  double least = HUGE_VAL;
-  int32_t others = 0;
-#pragma omp simd reduction(min : least) reduction(| : others)
-  for (int l = 0; l < CT_WARM; l++) {
+  int64_t few = 0;
+#pragma omp simd reduction(| : few)
+  for (int l = 0; l < CT_WARM; l++)
     // -- What is left of the distance of all other faces when they were listed (eq:rival-distance)
-    const double left = distant[l] - ct_pass_reached(p, lane_reach(p, b, l));
-    least = left < least ? left : least;
-    others |= met[l] ^ b->target[l];
-  }
-  if (others != 0 || !(least > 0.0)) search_rivals(p, met, distant, b);
+    few |= !(distant[l] - ct_pass_reached(p, lane_reach(p, b, l)) > 0.0);
+  if (few != 0 || memcmp(met, b->target, sizeof b->target) != 0) search_rivals(p, met, distant, b);
 }
 
-/* Whether the closest points are inside their last faces, within the allowed depth, with no other
- * face as near; and whether they come into contact. */
-CT_INLINE void settle(const ct_pass *p, block *b)
+/* Whether the closest point of a lane is inside its last face, within the allowed depth. */
+CT_INLINE int is_inside(const ct_pass *p, const block *b, int l)
 {
-  const double inside = 1.0 - p->project.tolerance, depth = (1.0 - 1e-9) * p->depth,
-               coincident = ct_side_coincident(p->side);
-  int doubt = 0, touches = 0;
-#pragma omp simd reduction(| : doubt, touches)
-  for (int l = 0; l < CT_WARM; l++) {
-    // -- Inside its face, and no other face is as near (eq:warm-lanes)
-    const int in = (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) &
-                   (fabs(b->gap[l]) < depth) & !b->rival[l];
-    const int32_t next = CT_POINT_OUTSIDE + (b->gap[l] < 0.0); // or inside, the next one
-    const int enters = (next == CT_POINT_INSIDE) & (b->last[l] != CT_POINT_INSIDE);
-    b->inside[l] = in, b->enters[l] = enters, b->next[l] = (ct_point_status)next;
-    doubt |= (!in) | enters;
-    touches |= !(fabs(b->gap[l]) > coincident);
-  }
-  b->sure = !doubt, b->touches = touches;
+  const double inside = 1.0 - p->project.tolerance;
+  return (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) &
+         (fabs(b->gap[l]) < (1.0 - 1e-9) * p->depth);
+}
+
+/* Status and jump of a point with a gap at its last face, as one number. */
+CT_INLINE int64_t state_of(double gap)
+{
+  const int32_t inside[2] = {CT_POINT_INSIDE, CT_POINT_NO_JUMP},
+                outside[2] = {CT_POINT_OUTSIDE, CT_POINT_NO_JUMP};
+  int64_t in, out;
+  memcpy(&in, inside, sizeof in);
+  memcpy(&out, outside, sizeof out);
+  return gap < 0.0 ? in : out;
+}
+
+/* Whether all closest points are inside their last faces with no other face as near, none coincides
+ * with its point, and no point changes its state. */
+CT_INLINE int is_steady(const ct_pass *p, const block *b)
+{
+  const double coincident = ct_side_coincident(p->side);
+  int64_t change = 0;
+#pragma omp simd reduction(| : change)
+  for (int l = 0; l < CT_WARM; l++)
+    change |=
+        (b->last[l] ^ state_of(b->gap[l])) | !is_inside(p, b, l) | !(fabs(b->gap[l]) > coincident);
+  return change == 0 && !b->rivals;
 }
 
 /* Whether the point of a lane comes in from a side that does not face its face: then the search
@@ -447,13 +450,13 @@ typedef char members_follow_on_each_other
     [offsetof(ct_point, row.gap) == offsetof(ct_point, row.normal) + 3 * sizeof(double) &&
              offsetof(ct_point, along) == offsetof(ct_point, d) + 3 * sizeof(double) &&
              offsetof(ct_point, xi) == offsetof(ct_point, last_known) + sizeof(double) &&
-             offsetof(ct_point, known) == offsetof(ct_point, xi) + 2 * sizeof(double)
+             offsetof(ct_point, known) == offsetof(ct_point, xi) + 2 * sizeof(double) &&
+             offsetof(ct_point, jumped) == offsetof(ct_point, status) + sizeof(int32_t)
          ? 1
          : -1];
 
 /* Store the results of `count` points from a lane on, one or four. Inlined with known numbers. */
-CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count, int l,
-                           ct_point *point)
+CT_INLINE void write_lanes(const block *b, int per, int count, int l, ct_point *point)
 {
   const double *n = &b->direction[l], *d = &b->d[l], *gap = &b->gap[l], *N = &b->N[l];
   write_numbers((const double *const[4]){n, n + CT_WARM, n + 2 * CT_WARM, gap}, count,
@@ -465,75 +468,90 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
                   offsetof(ct_point, N) + a * sizeof *N, point);
   write_numbers((const double *const[4]){&b->known[l], &b->xi[l], &b->xi[CT_WARM + l], gap}, count,
                 offsetof(ct_point, last_known), point);
-  for (int i = 0; i < count; i++)
-    point[i].jumped = CT_POINT_NO_JUMP, point[i].status = b->next[l + i];
-  for (int i = 0; b->touches && i < count; i++) {
-    if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
-    const double motion[3] = {b->motion[l + i], b->motion[8 + l + i], b->motion[16 + l + i]};
-    for (int c = 0; c < 3; c++) point[i].outward[c] = b->normal[CT_WARM * c + l + i];
-    ct_side_direct(p->side, &point[i]);
-    point[i].along = ct_vector_dot(point[i].row.normal, motion);
-  }
+}
+
+/* Store the state of a point, and its direction if it coincides with its closest point. */
+static void write_state(const ct_pass *p, const block *b, int l, ct_point *point)
+{
+  const int64_t state = state_of(b->gap[l]);
+  memcpy((char *)point + offsetof(ct_point, status), &state, sizeof state);
+  if (fabs(b->gap[l]) > ct_side_coincident(p->side)) return;
+  double motion[3];
+  for (int c = 0, k = l; c < 3; c++, k += CT_WARM)
+    motion[c] = b->own[k] - b->back[k], point->outward[c] = b->normal[k];
+  ct_side_direct(p->side, point);
+  point->along = ct_vector_dot(point->row.normal, motion);
+}
+
+/* The lanes of `warm` whose points are settled, one by one. */
+static unsigned find_settled(const ct_pass *p, const block *b, unsigned warm)
+{
+  unsigned settled = 0;
+  for (int l = 0; l < CT_WARM; l++)
+    // -- Inside its face, and no other face is as near (eq:warm-lanes)
+    if ((warm >> l & 1) && is_inside(p, b, l) && !b->rival[l] &&
+        !is_strange(p, b, l, b->number + l))
+      settled |= 1u << l;
+  return settled;
 }
 
 /* Store the results of the lanes whose points are settled, of those in `warm`; returns their bits.
  * Inlined with a known `per`. */
 CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, unsigned warm)
 {
-  const int64_t first = b->number;
-  ct_point *points = &p->side->points[first];
-  unsigned settled = b->sure ? warm : 0;
-  for (int l = 0; l < CT_WARM && !b->sure; l++)
-    if ((warm >> l & 1) && b->inside[l] && !(b->enters[l] && is_strange(p, b, l, first + l)))
-      settled |= 1u << l;
+  const int steady = is_steady(p, b);
+  const unsigned settled = steady ? warm : find_settled(p, b, warm);
+  ct_point *points = &p->side->points[b->number];
   for (int h = 0; h < CT_WARM; h += 4)
-    if ((settled >> h & 15) == 15) write_lanes(p, b, per, 4, h, &points[h]);
+    if ((settled >> h & 15) == 15) write_lanes(b, per, 4, h, &points[h]);
     else
       for (int l = h; l < h + 4; l++)
-        if (settled >> l & 1) write_lanes(p, b, per, 1, l, &points[l]);
+        if (settled >> l & 1) write_lanes(b, per, 1, l, &points[l]);
+  for (int l = 0; l < CT_WARM && !steady; l++)
+    if (settled >> l & 1) write_state(p, b, l, &points[l]);
   return settled;
 }
 
-/* Complete the points of the lanes once their closest points are known. Inlined with a known `per`.
- */
-CT_INLINE unsigned complete(const ct_pass *p, int per, block *b, unsigned warm)
+/* Closest points of all lanes by the search; returns 0 if there are none. */
+static int project_all(const ct_pass *p, block *b)
 {
-  gaps(per, b);
-  find_rivals(p, b);
-  find_motion(p, per, b);
-  settle(p, b);
-  return write_points(p, b, per, warm);
-}
-
-CT_CLONES
-static unsigned complete_block(const ct_pass *p, block *b, unsigned warm)
-{
-  return p->side->search->per == 4 ? complete(p, 4, b, warm) : complete(p, 8, b, warm);
-}
-
-/* Closest points of all lanes; returns 0 if there are none. Most are near their starts. */
-static int project_block(const ct_pass *p, block *b)
-{
-  const ct_face_kind kind = p->other->search->kind;
   int32_t status[CT_WARM];
-  memset(b->rival, 0, sizeof b->rival);
-  if (kind == CT_Q4 && p->project.iteration_limit == 0 &&
-      p->near(b->nodes, b->points, b->start, &p->project, b->xi, b->normal) == (1u << CT_WARM) - 1)
-    return 1;
   const ct_batch_closest closest = {.xi = b->xi, .normal = b->normal, .status = status};
-  if (ct_project_batch(kind, CT_WARM, b->nodes, b->points, b->start, &p->project, &closest, NULL) !=
-      CT_OK)
+  if (ct_project_batch(p->other->search->kind, CT_WARM, b->nodes, b->points, b->start, &p->project,
+                       &closest, NULL) != CT_OK)
     return 0;
   for (int l = 0; l < CT_WARM; l++)
-    b->rival[l] =
+    b->rivals |= b->rival[l] =
         status[l] != CT_OK && status[l] != CT_NOT_CERTIFIED && status[l] != CT_ITERATION_LIMIT;
   return 1;
 }
 
-unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
+/* The same; most are near their starts. Inlined with a known `per`. */
+CT_INLINE int project_block(const ct_pass *p, int per, block *b)
+{
+  memset(b->rival, 0, sizeof b->rival);
+  b->rivals = 0;
+  return (per == 4 && p->project.iteration_limit == 0 &&
+          p->near(b->nodes, b->points, b->start, &p->project, b->xi, b->normal) ==
+              (1u << CT_WARM) - 1) ||
+         project_all(p, b);
+}
+
+/* The same with a known number of nodes of a face. */
+CT_INLINE unsigned warm_points(const ct_pass *p, int per, int64_t first, int count)
 {
   block b;
-  const unsigned warm = load_block(p, first, count, &b);
-  if (warm == 0 || !project_block(p, &b)) return 0;
-  return complete_block(p, &b, warm);
+  const unsigned warm = load_block(p, per, first, count, &b);
+  if (warm == 0 || !project_block(p, per, &b)) return 0;
+  gaps(per, &b);
+  find_rivals(p, &b);
+  find_motion(p, per, &b);
+  return write_points(p, &b, per, warm);
+}
+
+CT_CLONES
+unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
+{
+  return p->side->search->per == 4 ? warm_points(p, 4, first, count)
+                                   : warm_points(p, 8, first, count);
 }
