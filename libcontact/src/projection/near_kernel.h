@@ -44,7 +44,8 @@ PART unsigned near_pairs(const double *nodes, const double *points, const double
   real v[8][3], p[3], n[3], at[2];
   patches patch;
   load_pairs(4, nodes, points, first, v, p);
-  quadrilateral((const real(*)[3])v, p, patch.c);
+  // Four times the polynomial has the same steps and normals, to the bit.
+  corner_sums((const real(*)[3])v, p, patch.c);
   patch.kind = CT_Q4;
   for (int a = 0; a < 2; a++) at[a] = load(start + 8 * a + first);
   snap(0, at);

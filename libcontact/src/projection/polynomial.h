@@ -20,18 +20,26 @@ typedef struct iterates {
 } iterates;
 #endif
 
+/* Four times the coefficients of a patch of four nodes v relative to the point p. */
+PART void corner_sums(const real v[8][3], const real p[3], real c[4][3])
+{
+  for (int k = 0; k < 3; k++) {
+    // -- Corners (eq:projection-patch-q4)
+    c[0][k] = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
+    c[1][k] = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]);
+    c[2][k] = (v[3][k] - v[0][k]) + (v[2][k] - v[1][k]);
+    c[3][k] = (v[0][k] - v[1][k]) + (v[2][k] - v[3][k]);
+  }
+}
+
 /* Coefficients of the patch from its nodes v and the point p. Only c[0] depends on the point; the
  * others are sums of differences between nodes, so that a far origin or a far point costs no
  * digits. Each is a tree that flips map onto itself up to its sign. */
 PART void quadrilateral(const real v[8][3], const real p[3], real c[8][3])
 {
+  corner_sums(v, p, c);
   for (int k = 0; k < 3; k++) {
-    // -- Corners (eq:projection-patch-q4)
-    real all = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
-    real right = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]),
-         up = (v[3][k] - v[0][k]) + (v[2][k] - v[1][k]),
-         twist = (v[0][k] - v[1][k]) + (v[2][k] - v[3][k]);
-    c[0][k] = 0.25 * all, c[1][k] = 0.25 * right, c[2][k] = 0.25 * up, c[3][k] = 0.25 * twist;
+    for (int j = 0; j < 4; j++) c[j][k] *= 0.25;
     c[4][k] = c[5][k] = c[6][k] = c[7][k] = every(0);
   }
 }
