@@ -221,20 +221,17 @@ CT_INLINE unsigned take_points(const ct_pass *p, int64_t first, int count, block
   return signs >= 0 && count == CT_WARM ? (1u << CT_WARM) - 1 : repeat_points(count, b);
 }
 
-/* The points in lanes, with their faces; returns one bit for each that has one. Inlined with a
- * known `per`. */
-CT_INLINE unsigned load_block(const ct_pass *p, int per, int64_t first, int count, block *b)
+/* The last faces of the points of `warm`, their positions and motions. Inlined with a known `per`.
+ */
+CT_INLINE void load_block(const ct_pass *p, int per, unsigned warm, block *b)
 {
-  const unsigned warm =
-      count == CT_WARM ? take_points(p, first, CT_WARM, b) : take_points(p, first, count, b);
-  for (int h = 0, l = 0; h < 2 && warm != 0; h++, l += 4) {
+  for (int h = 0, l = 0; h < 2; h++, l += 4) {
     const int32_t *face = &b->face[l], *to = &b->target[l];
     b->one[h] = to[0] == to[1] && to[0] == to[2] && to[0] == to[3];
     if (b->one[h]) load_one(p->other->search, per, l, b);
     else load_four(p->other->search, per, l, b);
     load_own(p, per, face[0] == face[3] && (warm >> l & 15) == 15, l, b);
   }
-  return warm;
 }
 
 /* Gap vectors d = ȳ - y and signed gaps of the points at their closest points (eq:gap). Inlined
@@ -537,21 +534,24 @@ CT_INLINE int project_block(const ct_pass *p, int per, block *b)
          project_all(p, b);
 }
 
-/* The same with a known number of nodes of a face. */
-CT_INLINE unsigned warm_points(const ct_pass *p, int per, int64_t first, int count)
+/* Complete the points of `warm`; returns the bits of those that are settled. Inlined with a known
+ * `per`. */
+CT_INLINE unsigned complete(const ct_pass *p, int per, unsigned warm, block *b)
 {
-  block b;
-  const unsigned warm = load_block(p, per, first, count, &b);
-  if (warm == 0 || !project_block(p, per, &b)) return 0;
-  gaps(per, &b);
-  find_rivals(p, &b);
-  find_motion(p, per, &b);
-  return write_points(p, &b, per, warm);
+  load_block(p, per, warm, b);
+  if (!project_block(p, per, b)) return 0;
+  gaps(per, b);
+  find_rivals(p, b);
+  find_motion(p, per, b);
+  return write_points(p, b, per, warm);
 }
 
 CT_CLONES
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
 {
-  return p->side->search->per == 4 ? warm_points(p, 4, first, count)
-                                   : warm_points(p, 8, first, count);
+  block b;
+  const unsigned warm =
+      count == CT_WARM ? take_points(p, first, CT_WARM, &b) : take_points(p, first, count, &b);
+  if (warm == 0) return 0;
+  return p->side->search->per == 4 ? complete(p, 4, warm, &b) : complete(p, 8, warm, &b);
 }
