@@ -213,6 +213,58 @@ def test_bodies_that_meet_without_a_contact(holds):
     assert "no_contact" not in dict(kinds(made(1.2, (0, 0, -1), contacts=["bc", "ac"])))
 
 
+def test_what_moves_holds_or_stops_a_body_that_another_falls_on():
+    """A block on a support at rest stays in its place, also under damping, and so does one that lies on it. Nothing is
+    said of a block that is driven or loaded, that an obstacle will stop or does not hold, or that another one screens.
+    The fall over 0.2 takes 0.1236 to a body at rest, and 0.2 to one that falls, too."""
+    up, history = [0, 0, 1], {"time": [0, 1], "value": [0, 1]}
+
+    def told(*added, bodies=("a", "b"), contacts=(), floor=0.0, fix="xyz"):
+        scene = empty()
+        boxes = {"a": ([0, 0, 0], 1), "b": ([0, 0, 1.2], 1), "c": ([0, 0, 1.01], 0.1)}
+        boxes["d"] = ([0, 0, -1], 1)
+        for name in bodies:
+            (x, y, z), height = boxes[name]
+            box = box_of([x, y, z], [1, 1, height], [2, 2, 2])
+            scene.add_body(name, material="soft", velocity=[0, 0, -1.0 * (name == "b")], box=box)
+        for name, given in added:
+            if name == "support":
+                scene.add_support(**{"set": "a.z_min", "fix": fix, **given})
+            else:
+                scene.add(name, **given)
+        for one, other in contacts:
+            scene.add_contact(f"{one}.z_max", f"{other}.z_min")
+        scene.add("gravity", acceleration=[0, 0, -10.0]).set_time(end=0.3, fraction=0.7)
+        texts = [str(w) for w in scene.explain().warnings if w.kind == "no_contact"]
+        return [re.search(r"bodies (.*) meet at about t = (\S+)", text).groups() for text in texts]
+
+    def wall(z=0.0, normal=up, **more):
+        return "obstacle", {
+            "surface": "a.z_min",
+            "plane": {"point": [0, 0, z], "normal": normal},
+            **more,
+        }
+
+    held, meets = ("support", {}), [('"a" and "b"', "0.1236")]
+    assert told(held) == told(held, ("damping", {"rate": 1.0, "bodies": ["a"]})) == meets
+    assert told(wall()) == told(held, fix="z") == meets
+    assert told(held, fix="xy") == [('"a" and "b"', "0.2")]
+    on = {"bodies": ("d", "a", "b"), "contacts": ["da"]}
+    assert told(("support", {"set": "d.z_min"}), **on) == meets
+    assert told(("support", {"velocity": [0, 0, -1]})) == []
+    assert told(("support", {"travel": [0, 0, -1], "history": history})) == []
+    assert told(held, ("load", {"surface": "a.z_max", "pressure": 1.0})) == []
+    assert told(wall(-0.1)) == told(wall(velocity=[0, 0, -1])) == []
+    assert (
+        told(
+            ("obstacle", {"surface": "a.x_min", "plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}})
+        )
+        == []
+    )
+    screen = ("support", {"set": "c.x_min"})
+    assert told(held, screen, bodies=("a", "b", "c"), contacts=["cb"]) == []
+
+
 @pytest.mark.parametrize(
     "moved", ["load", "support", "path", "gravity", "effect", "hit", "damping"]
 )

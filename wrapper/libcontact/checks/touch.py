@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterator
+from collections.abc import Container
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -15,6 +15,8 @@ from ..model import Contact
 from ..problem import Problem
 
 Array = npt.NDArray[np.float64]
+# Corners (3,), (3,) of the bounding box of a body at the start, its velocity and its acceleration.
+Way = tuple[Array, Array, Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +57,8 @@ class Touch:
 def first_touch(problem: Problem) -> list[Touch]:
     """The first touch of each contact, then of each obstacle, in the order of the scene. Bodies move with their
     initial velocity and gravity, until their boxes overlap or a surface reaches an obstacle."""
-    parts = problem.parts
-    pairs = [_pair(problem, f"contact[{i}]", given) for i, given in enumerate(parts.contact)]
+    parts, ways = problem.parts, _ways(problem)
+    pairs = [_pair(ways, f"contact[{i}]", given) for i, given in enumerate(parts.contact)]
     obstacles = enumerate(parts.obstacle)
     return pairs + [_obstacle(problem, f"obstacle[{i}]", given) for i, given in obstacles]
 
@@ -68,13 +70,16 @@ def started(problem: Problem, body: str) -> Array:
     return nodes if shift is None else nodes + shift
 
 
-def _bounds(problem: Problem, body: str) -> tuple[Array, Array]:
-    """Corners (3,), (3,) of the bounding box of a body at the start."""
-    if problem.parts.bodies[body].initial is None:
-        low, high = problem.bodies[body].mesh.bounds
-        return low, high
-    x = started(problem, body)
-    return x.min(axis=0), x.max(axis=0)
+def _ways(problem: Problem, still: Container[str] = ()) -> dict[str, Way]:
+    """The way of each body; those that are ``still`` do not move."""
+    out, at_rest = {}, (np.zeros(3), np.zeros(3))
+    for name, given in problem.parts.bodies.items():
+        low, high = problem.bodies[name].mesh.bounds
+        if given.initial is not None:
+            x = started(problem, name)
+            low, high = x.min(axis=0), x.max(axis=0)
+        out[name] = (low, high, *(at_rest if name in still else _motion(problem, name)))
+    return out
 
 
 def gravity_on(problem: Problem, body: str) -> Array:
@@ -84,21 +89,19 @@ def gravity_on(problem: Problem, body: str) -> Array:
     return np.array(gravity.acceleration if falls else (0.0, 0.0, 0.0))
 
 
-def _pair(problem: Problem, key: str, given: Contact) -> Touch:
+def _pair(ways: dict[str, Way], key: str, given: Contact) -> Touch:
     """Touch of two bodies: the time at which their bounding boxes have met along all axes."""
     (a, _), (b, _) = given.surfaces
     if a == b:
         return Touch(key, given, given.surfaces, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
-    time, gap, normal, closing = _approach(problem, a, b, _motion(problem, a), _motion(problem, b))
+    time, gap, normal, closing = _approach(ways[a], ways[b])
     return Touch(key, given, given.surfaces, b, time, -max(gap, 0.0) * normal, normal, closing)
 
 
-def _approach(
-    problem: Problem, a: str, b: str, motion_a: tuple[Array, Array], motion_b: tuple[Array, Array]
-) -> tuple[float, float, Array, float]:
+def _approach(a: Way, b: Way) -> tuple[float, float, Array, float]:
     """The time at which the bounding boxes of two bodies have met along all axes; their gap, negative if they overlap,
     its direction from a to b, and the speed along it."""
-    (low_a, high_a), (low_b, high_b) = (_bounds(problem, name) for name in (a, b))
+    (low_a, high_a, *motion_a), (low_b, high_b, *motion_b) = a, b
     apart = np.maximum(low_b - high_a, low_a - high_b)
     side, k = np.where(low_b > low_a, 1.0, -1.0), int(np.argmax(apart))
     speed, pull = (side * (own - other) for own, other in zip(motion_a, motion_b))
@@ -107,17 +110,17 @@ def _approach(
     return time, float(apart[k]), normal, meets[k][1]
 
 
-def strangers(problem: Problem, still: Container[str]) -> Iterator[tuple[str, str, float]]:
-    """Pairs of bodies whose bounding boxes meet before the end, and the time. Boxes that overlap from the start do not
-    count. Bodies that are ``still`` do not move, the others as for first_touch."""
-    at_rest = (np.zeros(3), np.zeros(3))
-    motion = {name: at_rest if name in still else _motion(problem, name) for name in problem.bodies}
-    for a, b in combinations(problem.bodies, 2):
-        time, gap, normal, closing = _approach(problem, a, b, motion[a], motion[b])
-        size = max(float(np.ptp(_bounds(problem, name), axis=0).max()) for name in (a, b))
-        falls = float((motion[a][1] - motion[b][1]) @ normal) > 0.0
-        if gap >= -1e-9 * size and time < problem.end and (closing > 0.0 or falls):
-            yield a, b, time
+def meetings(problem: Problem, still: Container[str]) -> list[tuple[float, str, str, bool]]:
+    """In order of time, the pairs of bodies whose bounding boxes meet before the end, and whether they are apart at the
+    start. Bodies that are ``still`` do not move, the others as for first_touch."""
+    ways, out = _ways(problem, still), []
+    for a, b in combinations(ways, 2):
+        time, gap, normal, closing = _approach(ways[a], ways[b])
+        size = max(float((high - low).max()) for low, high, *_ in (ways[a], ways[b]))
+        apart, falls = gap >= -1e-9 * size, float((ways[a][3] - ways[b][3]) @ normal) > 0.0
+        if time < problem.end and (closing > 0.0 or falls or not apart):
+            out.append((time, a, b, apart))
+    return sorted(out)
 
 
 def _obstacle(problem: Problem, key: str, given: Any) -> Touch:

@@ -6,7 +6,7 @@ one warning object (``libcontact.errors``): ``explain`` prints those of ``known`
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from itertools import combinations
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..bridge import has
 from ..errors import SceneWarning, came_in_late
 from ..hdf5 import ADVICE
 from ..mesh import FACTS, rotation
+from ..meshes.bricks import components
 from ..model import AXES, FEEDS, Contact, Turn, speeds
 from ..observers import Observer, spread
 from ..parts import acts_on
@@ -25,7 +26,7 @@ from ..schema import SIDES, Place, walk
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run, short_run
-from .touch import Touch, first_touch, gravity_on, started, strangers
+from .touch import Touch, first_touch, gravity_on, meetings, started
 from .volumes import Volumes
 
 Points = dict[str, NDArray[np.int32]]
@@ -48,6 +49,8 @@ SHARP = math.radians(50.0)
 MOST_PAIRS = 4_000_000
 # Effects that do not act on a body that moves without strain, or accelerate all its nodes equally.
 HARMLESS = ("gravity", "viscosity")
+# Effects that do not set a body in motion that is at rest.
+PASSIVE = ("damping", "absorb", "rigid")
 
 
 def known(
@@ -63,16 +66,17 @@ def known(
     if found is None:
         _, found = at_start(problem, state)
     touches = first_touch(problem)
+    acted_on, still = _acted_on(problem, touches)
     away = list(_inside_out(problem, touches))
-    follow = [*_overlaps(problem, found), *_never_meet(problem, touches), *_thin(problem, touches)]
-    follow += _wide(problem, touches)
+    follow = [*_overlaps(problem, found), *_never_meet(problem, touches, acted_on)]
+    follow += [*_thin(problem, touches), *_wide(problem, touches)]
     keys = {warning.key for warning in away}  # no second warning with the same cause
     return [
         *_units(problem),
         *_file(output),
         *away,
         *_same_place(problem),
-        *_no_contact(problem),
+        *_no_contact(problem, acted_on - still, still),
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
         *long_run(problem),
@@ -411,22 +415,25 @@ def _common_fraction(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
 # Bodies that can never meet.
 
 
-def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
+def _never_meet(
+    problem: Problem, touches: Sequence[Touch], acted_on: Set[str]
+) -> Iterator[SceneWarning]:
     """
     Find contacts whose surfaces cannot come together.
 
     This is known only for bodies in free flight, on which nothing acts but gravity: their bounding
     boxes give the earliest time of a touch. A body that may be hit by another one is excluded.
     """
-    acted_on, before = _acted_on(problem), -1
+    acted_on, before = set(acted_on), -1
     pairs = [(touch, {body for body, _ in touch.surfaces}) for touch in touches]
+    pairs = [pair for pair in pairs if len(pair[1]) == 2]
     while len(acted_on) != before:
         before = len(acted_on)
         for touch, bodies in pairs:
-            meets = len(bodies) == 2 and touch.time <= problem.end * (1.0 + 1e-9)
-            acted_on |= bodies if meets or (len(bodies) == 2 and bodies & acted_on) else set()
+            if touch.time <= problem.end * (1.0 + 1e-9) or bodies & acted_on:
+                acted_on |= bodies
     for touch, bodies in pairs:
-        if len(bodies) == 2 and not bodies & acted_on:
+        if not bodies & acted_on:
             when, gap = "they do not move towards each other", np.abs(touch.shift).max()
             if math.isfinite(touch.time):
                 when = f"they would touch at t = {touch.time:.4g}"
@@ -434,39 +441,63 @@ def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
             yield SceneWarning("never_meet", text, touch.key)
 
 
-def _acted_on(problem: Problem) -> set[str]:
-    """The bodies that are not in free flight, so that their motion before a contact is unknown."""
-    parts, out = problem.parts, {own.body for own in problem.own}
-    out |= {name for name, body in parts.bodies.items() if body.spin or body.initial}
-    out |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
+def _acted_on(problem: Problem, touches: Sequence[Touch]) -> tuple[set[str], set[str]]:
+    """The bodies that are not in free flight, so that their motion before a contact is unknown, and the bodies that
+    stay in their places: at rest, moved by nothing, and held against gravity."""
+    parts, moved = problem.parts, {own.body for own in problem.own}
+    moved |= {name for name, body in parts.bodies.items() if body.spin or body.initial}
+    moved |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
+    fixed = {name: np.zeros(3, bool) for name in parts.bodies}
     for support in parts.support:
-        velocity = parts.bodies[support.set.body].velocity
-        drives = any(
-            support.velocity["xyz".index(k)] != velocity["xyz".index(k)] for k in support.fix
-        )
-        if drives or support.history or gravity_on(problem, support.set.body).any():
-            out.add(support.set.body)
+        name, axes = support.set.body, [AXES.index(axis) for axis in support.fix]
+        drives = np.subtract(support.velocity, parts.bodies[name].velocity)[axes].any()
+        moved |= {name} if drives or support.history else set()
+        fixed[name][axes] = True
+    pull = {name: gravity_on(problem, name) for name in parts.bodies}
+    out = moved | {name for name, axes in fixed.items() if pull[name][axes].any()}
     for effect in parts.effects:
-        if effect.name not in HARMLESS or getattr(effect.given, "history", None):
-            out |= {name for name in parts.bodies if acts_on(effect.given, name)}
-    return out
+        given, history = effect.given, getattr(effect.given, "history", None)
+        if effect.name not in HARMLESS or history:
+            carrier = getattr(given, "carrier", None)
+            names = {name for name in parts.bodies if acts_on(given, name) or name == carrier}
+            rests = effect.name == "obstacle" and not (any(given.velocity) or history or carrier)
+            moved |= set() if rests or effect.name in PASSIVE else names
+            out |= names
+    calm = {name for name, body in parts.bodies.items() if not any(body.velocity)} - moved
+    still = {name for name in calm if not pull[name][~fixed[name]].any()}
+    before: set[str] | None = None
+    while (
+        still != before
+    ):  # a body that lies on one that stays in its place, or on an obstacle, stays, too
+        before = set(still)
+        still |= {
+            body
+            for touch in touches
+            for body, sign in zip(dict(touch.surfaces), (1.0, -1.0))
+            if body in calm
+            and {name for name, _ in touch.surfaces} <= still | {body}
+            and np.abs(touch.shift).max() <= 1e-3 * problem.bodies[body].mesh.shortest_edge
+            and pull[body] @ touch.normal * sign >= (1.0 - 1e-9) * np.linalg.norm(pull[body])
+        }
+    return out, still
 
 
 # Bodies that meet and have no contact.
 
 
-def _no_contact(problem: Problem) -> Iterator[SceneWarning]:
-    """Find bodies that reach each other, as far as their motion is known, and that neither a contact nor a
-    tie joins, also not by way of other bodies."""
-    parts, joined = problem.parts, {name: {name} for name in problem.bodies}
-    for (a, _), (b, _) in (each.surfaces for each in (*parts.contact, *parts.tie)):
-        both = joined[a] | joined[b]
-        joined.update((name, both) for name in both)
-    held = {each.set.body for each in parts.support} | {each.surface[0] for each in parts.obstacle}
-    still = {name for name in held if not any(parts.bodies[name].velocity)}
-    unknown = _acted_on(problem) - still
-    for a, b, time in strangers(problem, still) if not problem.own else ():
-        if b not in joined[a] and not {a, b} & unknown:
+def _no_contact(problem: Problem, unknown: set[str], still: set[str]) -> Iterator[SceneWarning]:
+    """Find bodies that reach each other before one of them hits another body, as far as their motion is known, and that
+    neither a contact nor a tie joins, also not by way of other bodies."""
+    number = {name: i for i, name in enumerate(problem.bodies)}
+    joins = [each.surfaces for each in (*problem.parts.contact, *problem.parts.tie)]
+    ends = np.array([[number[body] for body, _ in pair] for pair in joins], int).reshape(-1, 2)
+    group = dict(zip(number, components(len(number), *ends.T)))
+    for time, a, b, apart in meetings(problem, still) if not problem.own else ():
+        if {a, b} & unknown:
+            continue
+        if group[a] == group[b]:
+            unknown = unknown | ({a, b} - still)
+        elif apart:
             text = f'bodies "{a}" and "{b}" meet at about t = {time:.4g} and will pass through each other, as no [[contact]] names both: add one, with the surfaces that meet'
             yield SceneWarning("no_contact", text, "contact")
 
