@@ -172,6 +172,13 @@ def test_arrays_survive_saving_bit_for_bit(tmp_path):
 
 REFUSED = [
     (("bodi",), [], "bodi", 'did you mean "body"'),
+    (("tmie",), {}, "tmie", 'did you mean "time"'),
+    (
+        ("body", 0),
+        {"name": "a", "material": "steel", "mesh": {"file": "a.msh"}},
+        "body[0].mesh",
+        "must be the name of a file, in quotes",
+    ),
     (("units",), {"length": "mm", "mass": "t"}, "units.time", "is missing"),
     # Of a key that is unknown and one that is missing, the unknown one tells what was meant.
     (("support",), [{"surface": "left.x_min", "fix": ["x"]}], "support[0].surface", "belongs to"),

@@ -103,8 +103,9 @@ def suggestion(word: str, known: Iterable[str], lead: str = "known: ") -> str:
     names."""
     known = list(known)
     names = {name.casefold(): name for name in known}
-    near = difflib.get_close_matches(str(word).casefold(), names, n=1, cutoff=0.6)
-    if near:
+    near = difflib.get_close_matches(str(word).casefold(), names, n=9, cutoff=0.6)
+    if near:  # "time" for "tmie", which has more in common with "tie"
+        near.sort(key=lambda name: sorted(name) != sorted(str(word).casefold()))
         return f'; did you mean "{names[near[0]]}"?'
     return f"; {lead}{listed(known)}" if known else "; there is none"
 
@@ -234,9 +235,10 @@ class Text(Kind):
     """A Unicode text."""
 
     json: dict[str, Any] = {"type": "string"}
+    what = "a text"
 
     def read(self, value: Any, at: Place) -> str:
-        at.need(isinstance(value, str), value, "a text")
+        at.need(isinstance(value, str), value, self.what)
         try:
             value.encode()
         except UnicodeEncodeError:
@@ -248,6 +250,7 @@ class FileName(Text):
     """The name of a file."""
 
     json = {"type": "string", "minLength": 1}
+    what = "the name of a file, in quotes"
 
     def read(self, value: Any, at: Place) -> str:
         name = super().read(value, at)
@@ -276,10 +279,9 @@ class Reference(Text):
     """The name of a table of the scene, such as a ``material``."""
 
     def __init__(self, table: str):
-        self.table = table
+        self.table, self.what = table, f"the name of a [[{table}]]"
 
     def read(self, value: Any, at: Place) -> Named:
-        at.need(isinstance(value, str), value, f"the name of a [[{self.table}]]")
         return Named(self.table, super().read(value, at))
 
 
@@ -310,9 +312,10 @@ class Surface(Text):
     may have dots; of two bodies ``"a"`` and ``"a.b"`` the longer name counts."""
 
     json = {"type": "string", "pattern": r"^.+\..+$"}
+    what = 'a text such as "left.x_max"'
 
     def read(self, value: Any, at: Place) -> Any:
-        at.need(isinstance(value, str), value, 'a text such as "left.x_max"')
+        value = super().read(value, at)
         body, dot, face = value.rpartition(".")
         if face not in FACES:
             body, dot, face = value.partition(".")
