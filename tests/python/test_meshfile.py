@@ -768,7 +768,7 @@ def test_the_command_tells_what_is_in_a_mesh(folder, capsys):
         "c1 = 6020",
     ):
         assert words in told
-    assert (folder / "cam.png").stat().st_size > 10_000
+    assert (folder / "cam.msh.png").stat().st_size > 10_000
     assert (
         main(
             [

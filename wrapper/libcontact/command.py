@@ -183,7 +183,7 @@ def _add_mesh(commands: Any) -> None:
     mesh.add_argument("--extrude", metavar=("HEIGHT", "LAYERS"), nargs=2, help=extrude)
     speed = "speed of the dilatational wave, for the estimated step (default: steel, in m/s)"
     mesh.add_argument("--speed", metavar="C1", type=float, help=speed)
-    mesh.add_argument("--plot", action="store_true", help="draw the mesh into a PNG named after it")
+    mesh.add_argument("--plot", action="store_true", help="draw the mesh into MESH.png")
     mesh.add_argument("--json", action="store_true", help="write JSON, one line per file")
 
 
@@ -483,8 +483,8 @@ def _mesh(options: argparse.Namespace) -> dict[str, Any]:
     if options.plot:
         from .pictures.mesh import draw_mesh
 
-        target = Path(options.scene).with_suffix(".png")
-        draw_mesh(data, target.stem).savefig(target, dpi=150)
+        target = f"{options.scene}.png"  # plot draws a run with this stem into the .png
+        draw_mesh(data, Path(target).stem).savefig(target, dpi=150)
         _say(f'picture in "{target}"')
     return {**facts, "exit": OK}
 
