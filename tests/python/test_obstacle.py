@@ -277,7 +277,7 @@ def test_an_overlap_with_an_obstacle_is_pushed_removed_or_refused():
 def test_explain_tells_of_an_overlap_with_an_obstacle():
     told = sunk(2.5e-3, adjust=1e-4).explain()
     assert "initial penetration keep, adjust 0.0001 m" in told
-    assert "it overlaps the obstacle by 0.0025" in told
+    assert "it overlaps the obstacle by 0.0025 m " in told
     assert told.data["added"][0]["penetration"]["inside"] == 64
 
 

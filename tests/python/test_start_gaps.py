@@ -144,7 +144,7 @@ def test_an_overlap_is_told():
         np.pi / 48
     )  # of the 12 facets of a quarter, whose middles are closest to the axis
     assert (
-        "overlap by 0.00127" in kept
+        "overlap by 0.00127 m " in kept
         and "at 96 points" in kept
         and "no energy is added" in kept
         and f"adjust = {1.1 * sag:.2g}" in kept

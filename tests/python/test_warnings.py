@@ -171,7 +171,7 @@ def test_bodies_that_never_meet():
     assert kinds(pair(gap=0.5, end=0.051)) == []
     text = str(pair(gap=0.5, speed=0.0).explain().warnings[0])
     assert (
-        "0.5 apart" in text
+        "0.5 m apart" in text
         and "do not move towards each other" in text
         and "check velocities" in text
     )
@@ -631,7 +631,7 @@ def test_a_penalty_that_is_too_soft():
 
     (warning,) = warned(epsilon=1500.0)
     assert warning.key == "contact[0]"
-    assert "low.outer with high.outer" in str(warning) and "0.5 thick" in str(warning)
+    assert "low.outer with high.outer" in str(warning) and "0.5 m thick" in str(warning)
     advised = float(re.search(r"the default is (\S+)", str(warning))[1])
     assert not warned(epsilon=advised)
     assert not warned()

@@ -105,15 +105,11 @@ class Depths(Observer):
             size = _element_size(mesh, face, points["face"])
             # (eq:too-soft)
             if grown > DEEP * size:
-                who, given = self._open.pop(key)
+                (who, given), units = self._open.pop(key), self._problem.parts.units
                 epsilon = self._epsilon(i, given)
                 where = ", ".join(f"{x:.4g}" for x in points["position"])
-                text = (
-                    f"{who}: the surfaces overlap by {grown:.3g} at t = {state.time:.4g}, deepest "
-                )
-                text += (
-                    f"at ({where}) on {points['surface']}, where an element is {size:.3g} thick; "
-                )
+                text = f"{who}: the surfaces overlap by {grown:.3g} {units.length} at t = {state.time:.4g} {units.time}, deepest "
+                text += f"at ({where}) on {points['surface']}, where an element is {size:.3g} {units.length} thick; "
                 text += (
                     f"the penalty epsilon = {epsilon:.3g} is too soft for the load, and the bodies "
                 )

@@ -202,6 +202,7 @@ FATE = {
 
 def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[SceneWarning]:
     """Overlaps at the start that neither ``adjust`` nor ``"remove"`` covers."""
+    unit = problem.parts.units.length
     for (key, name, given), points in zip(contact_tables(problem.parts), found):
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
@@ -212,12 +213,12 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
                 if key.startswith("contact")
                 else "it overlaps the obstacle by"
             )
-            text = f"{who} {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
+            text = f"{who} {deepest:.3g} {unit} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
                 if deepest < _edge(problem, given):
                     text += f". If they should touch, set adjust = {1.1 * max(deepest, _sag(problem, given)):.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
                 else:  # no facet is off by so much
-                    text += f". Move the bodies apart by {deepest:.3g}, or set initial_penetration"
+                    text += f". Move the bodies apart by {deepest:.3g} {unit}, or set initial_penetration"
             yield SceneWarning("overlap", f"{name}: {text}", key)
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
@@ -432,12 +433,13 @@ def _never_meet(
         for touch, bodies in pairs:
             if touch.time <= problem.end * (1.0 + 1e-9) or bodies & acted_on:
                 acted_on |= bodies
+    units = problem.parts.units
     for touch, bodies in pairs:
         if not bodies & acted_on:
             when, gap = "they do not move towards each other", np.abs(touch.shift).max()
             if math.isfinite(touch.time):
-                when = f"they would touch at t = {touch.time:.4g}"
-            text = f"{pair_name(touch.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, places and end, or leave the contact out"
+                when = f"they would touch at t = {touch.time:.4g} {units.time}"
+            text = f"{pair_name(touch.surfaces)}: the surfaces are {gap:.4g} {units.length} apart and cannot meet before the run ends at t = {problem.end:.4g} {units.time}, as {when}; check velocities, places and end, or leave the contact out"
             yield SceneWarning("never_meet", text, touch.key)
 
 
@@ -498,7 +500,7 @@ def _no_contact(problem: Problem, unknown: set[str], still: set[str]) -> Iterato
         if group[a] == group[b]:
             unknown = unknown | ({a, b} - still)
         elif apart:
-            text = f'bodies "{a}" and "{b}" meet at about t = {time:.4g} and will pass through each other, as no [[contact]] names both: add one, with the surfaces that meet'
+            text = f'bodies "{a}" and "{b}" meet at about t = {time:.4g} {problem.parts.units.time} and will pass through each other, as no [[contact]] names both: add one, with the surfaces that meet'
             yield SceneWarning("no_contact", text, "contact")
 
 
