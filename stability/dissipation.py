@@ -6,6 +6,7 @@ the impact between two steps. Restitution is 0, so that nothing hides what the d
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,7 @@ def worst(enforcement: str, dissipation: float | None, beta: float) -> np.ndarra
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     print("enforcement          ratio     beta   force rms   impulse   release   energy lost")
     for enforcement, dissipation, beta in CASES:
         force, impulse, release, lost = worst(enforcement, dissipation, beta)

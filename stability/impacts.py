@@ -3,8 +3,7 @@ What elastic bodies keep of their energy in an impact, and with which speed they
 "Enforcement"). Nothing in these scenes loses energy but the law of contact.
 
 Every impact is run with several steps and phases of landing; the table has the worst of them. The same
-mesh with explicit penalties at a tiny step tells the speeds. ``impacts.py [--book] [GROUP ...]``:
-``--book`` writes the tables of the chapter.
+mesh with explicit penalties at a tiny step tells the speeds. ``--book`` writes the tables of the chapter.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ from typing import Any
 import cases
 import folding
 import numpy as np
+import program
 import shapes
 from lab import DEFAULT, ELASTIC, booked, material, rise, scene
 
@@ -548,14 +548,11 @@ def per_cent(part: float) -> str:
 
 
 def main() -> int:
-    chosen = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
-    chosen = chosen or [*GROUPS, *OTHERS]
-    if unknown := [name for name in chosen if name not in (*GROUPS, *OTHERS)]:
-        print(f"no case is named {', '.join(unknown)}; there are {', '.join((*GROUPS, *OTHERS))}")
-        return 2
+    given = program.parser(__doc__, [*GROUPS, *OTHERS]).parse_args()
+    chosen = given.cases or [*GROUPS, *OTHERS]
     rows = impacts([GROUPS[name] for name in GROUPS if name in chosen])
     others = {name: OTHERS[name]() for name in OTHERS if name in chosen}
-    if "--book" in sys.argv:
+    if given.book:
         if rows:
             write(BOOK / "impacts.csv", summary(rows))
         if "trade" in others:

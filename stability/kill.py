@@ -1,5 +1,5 @@
 """
-Kill runs while they write: ``python stability/kill.py [KILLS] [SEED]``, or ``make kill``.
+Kill runs while they write (``make kill``).
 
 A child process runs a scene that records every step. After a random time it is killed (SIGKILL). Then the
 file must open, its records must be those of an undisturbed run, and a restart from it must end with the
@@ -8,6 +8,7 @@ same bits. A missing file is correct only if no record was complete.
 
 from __future__ import annotations
 
+import argparse
 import os
 import random
 import signal
@@ -112,12 +113,13 @@ def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict
 
 
 def main() -> int:
-    kills, seed = (
-        int(x) for x in (*sys.argv[1:], *("100", str(int(time.time())))[len(sys.argv) - 1 :])
-    )
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("kills", nargs="?", type=int, default=100, help="number of runs (100)")
+    parser.add_argument("seed", nargs="?", type=int, default=int(time.time()), help="(the time)")
+    given = parser.parse_args()
     np.seterr(all="raise")
-    counts = kill_campaign(kills, seed)
-    print(f"{kills} runs killed while they wrote (seed {seed}): {counts}")
+    counts = kill_campaign(given.kills, given.seed)
+    print(f"{given.kills} runs killed while they wrote (seed {given.seed}): {counts}")
     return int(bool(set(counts) - {"good", "early", "late"}))
 
 

@@ -9,11 +9,11 @@ penalty is β. ``--book`` writes the table of the chapter.
 from __future__ import annotations
 
 import csv
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import program
 
 # The force of the wall from β, the gaps g_n and g_{n-1}, the gap without the force, the displacement of
 # the node by a unit force, and the step.
@@ -135,14 +135,14 @@ def measured(name: str, k: float) -> dict[str, float]:
 
 
 def main() -> None:
-    rows = {}
+    given, rows = program.parser(__doc__).parse_args(), {}
     for name in LAWS:
         for k in BETAS if name != "multipliers" else (4.0,):
             rows[name, k] = row = measured(name, k)
             print(
                 f"{name:<24} β = {k:<5g}", *(f"{what} {value:.3g}" for what, value in row.items())
             )
-    if "--book" not in sys.argv:
+    if not given.book:
         return
     folder = Path(__file__).resolve().parent.parent / "docs" / "theory"
     columns = ("settled", "smooth", "mode", "force", "impact 0.5", "impact 0.98", "peak")

@@ -1,7 +1,6 @@
 """
-``make stability``: all cases, one table. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C
-keeps the completed rows. ``--book`` also writes the tables of the chapter "Stability" into
-``docs/stability``.
+``make stability``: all cases, one table. Ctrl-C keeps the completed rows. ``--book`` writes the tables of the
+chapter "Stability" into ``docs/stability``.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import cases  # noqa: E402
 import lab  # noqa: E402
+import program  # noqa: E402
 
 BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
 # Cases that share one line of the summary.
@@ -155,16 +155,15 @@ def write_sweep(rows: list[lab.Row], folder: Path) -> None:
 
 
 def main() -> int:
-    arguments = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
-    folder, names = Path(arguments[0]), arguments[1:]
-    known = [case.__name__ for case in cases.CASES]
-    if unknown := [name for name in names if name not in known]:
-        print(f"no case is named {', '.join(unknown)}; there are {', '.join(known)}")
-        return 2
-    rows = collect(names, "--short" in sys.argv)
+    parser = program.parser(__doc__, [case.__name__ for case in cases.CASES], "for the tables")
+    parser.add_argument(
+        "--short", action="store_true", help="fewer penalties and steps, small meshes"
+    )
+    given = parser.parse_args()
+    rows = collect(given.cases, given.short)
     if rows:
-        write(rows, folder)
-        for place in (folder, BOOK) if "--book" in sys.argv else (folder,):
+        write(rows, given.folder)
+        for place in (given.folder, BOOK) if given.book else (given.folder,):
             write_sweep(rows, place)
             write_summary(rows, place)
     odd = surprises(rows)

@@ -190,9 +190,9 @@ def line(row: Row) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=100_000, help="steps below the reported limit")
-    failed = 0
+    given, failed = parser.parse_args(), 0
     print(HEAD)
-    for row in rows(steps=parser.parse_args().steps):
+    for row in rows(steps=given.steps):
         print(line(row), flush=True)
         failed += not row.good
     return 1 if failed else 0

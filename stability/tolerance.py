@@ -1,7 +1,7 @@
 """
-What a loose tolerance of the contact forces changes (chapter "All points of a step together"):
-``tolerance.py FOLDER [--book] [GROUP ...]``. Each scene runs once with each tolerance. FOLDER/tolerance.jsonl keeps the
-completed rows, so the same command continues; ``--book`` writes the table of the chapter.
+What a loose tolerance of the contact forces changes (chapter "All points of a step together"). Each scene runs once
+with each tolerance. FOLDER/tolerance.jsonl keeps the completed rows, so the same command continues; ``--book`` writes
+the table of the chapter.
 
 A row compares a run with that of the tolerance 1e-10: final velocities (rms over the nodes, relative to their own rms),
 the energy of the bodies at the end (relative to the largest energy or work), the errors of Figs. 4 and 5 and of the
@@ -31,6 +31,7 @@ import cases  # noqa: E402
 import lab  # noqa: E402
 import numpy as np  # noqa: E402
 import price  # noqa: E402
+import program  # noqa: E402
 from libcontact._core import ffi, lib  # noqa: E402
 from libcontact.bridge import call  # noqa: E402
 from libcontact.problem import new_state  # noqa: E402
@@ -206,13 +207,12 @@ def write_table(rows: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    arguments = [each for each in sys.argv[1:] if not each.startswith("--")]
-    folder = Path(arguments[0])
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "tolerance.jsonl"
+    given = program.parser(__doc__, GROUPS, "for tolerance.jsonl").parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    file = given.folder / "tolerance.jsonl"
     warnings.simplefilter("ignore")
     known = {(row["group"], row["scene"]) for row in read(file)}
-    for group in arguments[1:] or GROUPS:
+    for group in given.cases or GROUPS:
         for name, rows in GROUPS[group]():
             if (group, name) in known:
                 continue
@@ -232,7 +232,7 @@ def main() -> None:
                 ),
                 flush=True,
             )
-    if "--book" in sys.argv:
+    if given.book:
         write_table(read(file))
 
 

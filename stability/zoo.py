@@ -1,9 +1,7 @@
 """
 ``make zoo``: everyday scenes with all options, judged by oracles that need no stored answer.
-``zoo.py FOLDER [--book] [--alone] [--draws N] [SCENE ...]`` runs what FOLDER/zoo.jsonl does not have yet, so Ctrl-C
-keeps the completed rows and the same command continues. ``--alone`` compares only the scenes at their
-defaults with other runs, in a fifth of the time. ``--book`` also writes the table of the chapter
-"Hard cases" into ``docs/stability``. A row is
+It runs what FOLDER/zoo.jsonl does not have yet, so Ctrl-C keeps the completed rows and the same command continues.
+``--book`` writes the table of the chapter "Hard cases" into ``docs/stability``. A row is
 
 - ok: no oracle disagrees;
 - told: the leapfrog gains energy at large strain, the run warns of it, and half the step is the cure;
@@ -33,8 +31,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import inside  # noqa: E402
 import numpy as np  # noqa: E402
+import program  # noqa: E402
 import stage as stages  # noqa: E402
-from animals import ONE_AT_A_TIME, Animal, Options, runs  # noqa: E402
+from animals import ANIMALS, ONE_AT_A_TIME, Animal, Options, runs  # noqa: E402
 from lab import GROWTH, booked, is_told, kinds, rise  # noqa: E402
 from stage import Stage  # noqa: E402
 
@@ -635,18 +634,17 @@ def write(rows: list[Row], folder: Path) -> None:
 
 
 def main() -> int:
-    arguments = sys.argv[1:]
-    draws = 8
-    if "--draws" in arguments:
-        at = arguments.index("--draws")
-        draws = int(arguments[at + 1])
-        del arguments[at : at + 2]
-    plain = [argument for argument in arguments if not argument.startswith("--")]
-    folder, names = Path(plain[0]), plain[1:]
-    rows = collect(folder / "zoo.jsonl", draws, names, "--alone" in arguments)
+    parser = program.parser(
+        __doc__, [make.__name__ for make in ANIMALS], "for zoo.jsonl and tables"
+    )
+    parser.add_argument("--draws", type=int, default=8, help="options at random for each scene")
+    alone = "compare only scenes at their defaults with other runs, in a fifth of the time"
+    parser.add_argument("--alone", action="store_true", help=alone)
+    given = parser.parse_args()
+    rows = collect(given.folder / "zoo.jsonl", given.draws, given.cases, given.alone)
     if not rows:
         return 1
-    for place in (folder, BOOK) if "--book" in arguments else (folder,):
+    for place in (given.folder, BOOK) if given.book else (given.folder,):
         write(rows, place)
     counts = {
         word: sum(row.verdict == word for row in rows) for word in ("ok", "told", "refused", "FAIL")

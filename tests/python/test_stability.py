@@ -1,5 +1,6 @@
 """The short form of the stability laboratory: every case once, small; each row ends as its case expects."""
 
+import importlib
 import warnings
 from dataclasses import replace
 
@@ -176,6 +177,29 @@ def test_the_table_is_written(tmp_path, capsys):
         len((tmp_path / "stability.csv").read_text().splitlines()) == 5
         and (tmp_path / "stability.json").exists()
     )
+
+
+@pytest.mark.parametrize(
+    "name, wrong",
+    [
+        ("run", []),
+        ("zoo", ["folder", "part_on_a_flor"]),
+        ("impacts", ["plat"]),
+        ("laws", ["book"]),
+        ("tolerance", []),
+        ("kill", ["many"]),
+        ("dissipation", ["x"]),
+        ("steps", ["--steps", "x"]),
+    ],
+)
+def test_programs_tell_their_arguments(name, wrong, monkeypatch, capsys):
+    """Before anything is run."""
+    program = importlib.import_module(name)
+    for arguments, code, told in ((["--help"], 0, 0), (wrong, 2, 1)):
+        monkeypatch.setattr("sys.argv", [f"{name}.py", *arguments])
+        with pytest.raises(SystemExit) as end:
+            program.main()
+        assert end.value.code == code and capsys.readouterr()[told].startswith(f"usage: {name}.py")
 
 
 def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
