@@ -181,6 +181,19 @@ def test_a_run_counts_which_share_of_its_elements_it_has_computed():
     assert met.costs(run)[1].done is None and met.costs()[0].done is None
 
 
+@pytest.mark.parametrize("interval", [1, 2, 10])
+def test_a_trial_has_the_forces_of_each_of_its_steps(interval, monkeypatch):
+    """Also those that a record computes for the next step: with elements in place of seconds, each step has all."""
+    problem = two_bars()._built(None)
+
+    def elements(problem, state):
+        return np.array([state.element_updates[0], *[0.0] * len(problem.effects)])
+
+    monkeypatch.setattr(planned, "step_seconds", elements)
+    monkeypatch.setattr(planned, "TRIAL_SECONDS", 1e9)  # rounds of the whole interval
+    assert planned._try(problem, interval).seconds["solid"] == 2 * 40
+
+
 def test_the_trial_of_a_plan_changes_nothing():
     scene, fresh = two_bars(), two_bars()
     scene.explain()

@@ -252,10 +252,13 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     sizes: list[int] = []
     _place(problem, loop.state, together)
 
-    def seconds_of(count: int) -> Array:
-        before = step_seconds(problem, loop.state)
+    def seconds_of(count: int, records: bool = True) -> Array:
+        before, begin = step_seconds(problem, loop.state), loop.output_seconds
         call(lib.ct_run, problem.pointer, loop.state, count, ffi.NULL, 0)
-        return (step_seconds(problem, loop.state) - before) / count
+        if records:  # it computes the forces of the next step, which then takes less time
+            loop.record(checked=False)
+        steps = (step_seconds(problem, loop.state) - before) / count
+        return np.append(steps, loop.output_seconds - begin)
 
     with Held() as held, tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "trial.vtkhdf"
@@ -264,15 +267,14 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
         try:
             loop.start_monitor()
             # The first step fills the caches, and its time gives the number of steps in a round.
-            there_is_time = TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1).sum(), 1e-9)
+            there_is_time = (
+                TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1, records=False).sum(), 1e-9)
+            )
             count = max(1, min(interval, MOST_STEPS, int(there_is_time)))
             while len(rounds) < FEWEST_ROUNDS or (
                 len(rounds) < MOST_ROUNDS and count * np.sum(rounds) < TRIAL_SECONDS
             ):
-                # A record computes the forces of the next step, which then takes less time.
-                steps, begin = seconds_of(count), loop.output_seconds
-                loop.record(checked=False)
-                rounds.append(np.append(steps, loop.output_seconds - begin))
+                rounds.append(seconds_of(count))
                 sizes.append(file.stat().st_size if file.exists() else 0)
         finally:
             loop.abandon()
