@@ -76,6 +76,19 @@ def thrown(fraction: float, **keys: float) -> float:
 
 
 @measurement
+def thrown_on_plane() -> Numbers:
+    """Velocities with which the cube of an exercise leaves a rigid plane with restitution 0."""
+    scene = scene_of(1e6, 0.3, 1000.0)
+    box = {"origin": [0, 0, 0.001], "size": [1, 1, 1], "cells": [4, 4, 4]}
+    scene.add_body("cube", material="elastic", box=box, velocity=[2, 0, -1])
+    floor = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    scene.add("obstacle", surface="cube.z_min", plane=floor, friction=0.3, restitution=0.0)
+    run = scene.set_time(end=0.09, fraction=0.9).run(progress=False, output=False)
+    along, _, up = run.body_momentum("cube")["p"][-1] / 1000.0
+    return {"along": along, "up": up}
+
+
+@measurement
 def creeping_block() -> Numbers:
     """How far the block of the example scene moves in a second on a slope where it should stick: the default law at
     two steps, the explicit penalty, the default with damping [m]."""
