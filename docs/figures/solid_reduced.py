@@ -75,11 +75,12 @@ def stiffness():
     return figure
 
 
-def deflection(cells, kappa, poisson=0.0):
-    """End deflection of a cantilever of length 10 and height 1, over Timoshenko's; full integration if Q is None."""
+def deflection(cells, kappa, poisson=0.0, along=None):
+    """End deflection of a cantilever of length 10 and height 1, over Timoshenko's; full integration if Q is None, and
+    cubes if it is not told how many elements lie along it."""
     scene = scene_of(poisson=poisson)
     size = [10.0, 1 / cells, 1.0]
-    box = {"origin": [0, 0, 0], "size": size, "cells": [10 * cells, 1, cells]}
+    box = {"origin": [0, 0, 0], "size": size, "cells": [along or 10 * cells, 1, cells]}
     keys = {} if kappa is None else {"integration": "reduced", "hourglass": kappa}
     scene.add_body("beam", material="elastic", box=box, **keys)
     scene.add_support("beam.x_min", fix="xz").add_support("beam.y_min", fix="y")

@@ -35,6 +35,17 @@ def bent_beam() -> Numbers:
 
 
 @measurement
+def locked_beam() -> Numbers:
+    """Timoshenko's end deflection over that of cantilevers of hex8, ν = 0: one layer of cubes, four layers of elements
+    as long as these, and four of cubes."""
+    runs = {"one": (1, 10), "four": (4, 10), "cubes": (4, 40)}
+    return {
+        name: 1 / solid_reduced.deflection(cells, None, along=along)
+        for name, (cells, along) in runs.items()
+    }
+
+
+@measurement
 def large_strain() -> Numbers:
     """Operations of an element of hex8 at large strain over those at small strain."""
     count = {}

@@ -14,7 +14,7 @@ from ..checks.warned import at_start, known
 from ..errors import SceneWarning
 from ..html import sections
 from ..mesh import FACTS
-from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support, speeds
+from ..model import AXES, FEEDS, INTEGRATORS, Contact, ContactKeys, Support, speeds
 from ..parts import EFFECTS, Parts
 from ..pieces import piece_lines
 from ..probes import Located
@@ -184,7 +184,22 @@ def _assumptions(parts: Parts) -> list[str]:
         RELAXED: parts.relaxed,
         RINGING: bool(bodies) and parts.damping is None and parts.viscosity is None,
     }
-    return [*laws, *(sentence for sentence, true in holds.items() if true)]
+    return [*laws, *(sentence for sentence, true in holds.items() if true), *_unbent(parts)]
+
+
+def _unbent(parts: Parts) -> Iterator[str]:
+    """Thin boxes of hex8 that are too stiff in bending, as false shear adds 1 + (l / t)² / 2, chapter "Elements"."""
+    for name, body in parts.bodies.items():
+        if not body.box or body.element == "hex20" or body.integration == "reduced":
+            continue
+        t, thin = min(zip(body.box.size, AXES))
+        sides = {(name, f"{thin}_min"), (name, f"{thin}_max")}
+        held = any(each.set in sides and thin in each.fix for each in parts.support)
+        along = zip(body.box.size, body.box.cells)
+        long = max((size / n for size, n in along if size >= 4.0 * t), default=0.0)
+        if long >= t / 2.0 and not held and name not in parts.rigid_names:
+            stiff = f"elements of hex8 that are {long:.3g} {parts.units.length} long in a thickness of {t:.3g} {parts.units.length} are {1.0 + (long / t) ** 2 / 2.0:.3g} times as stiff"
+            yield f'"{name}" does not bend: {stiff}, however many lie across it; for bending take element = "hex20", or elements shorter than a third of the thickness'
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
