@@ -500,9 +500,22 @@ def test_units(units, absurd):
         .add_body("b", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [2, 2, 2]))
         .set_time(end=0.01, fraction=0.7)
     )
-    assert kinds(scene) == ([("units", "body[0]")] if absurd else [])
+    scene.add_body("c", material="soft", box=box_of([2, 0, 0], [1, 1, 1], [2, 2, 2]))
+    assert kinds(scene) == ([("units", "body[0]")] if absurd else [])  # once for the material
     if absurd:
         assert "[units]" in scene.explain()
+
+
+@pytest.mark.parametrize(
+    "units, size, told",
+    [("m", 9.81, ""), ("mm", 9810.0, ""), ("mm", 9.81, "9.81 m/s² are 9810 mm/s^2")],
+)
+def test_gravity_of_metres_in_millimetres(units, size, told):
+    scene = empty(young=1e4, units=(units, "t", "s"))
+    scene.add_body("b", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [2, 2, 2]))
+    scene.add("gravity", acceleration=[0.6 * size, 0, -0.8 * size]).set_time(end=0.1)
+    found = [str(w) for w in scene.explain().warnings if w.key == "gravity.acceleration"]
+    assert len(found) == bool(told) and all(told in text for text in found)
 
 
 def test_an_angle_in_degrees():

@@ -33,6 +33,8 @@ Points = dict[str, NDArray[np.int32]]
 
 # Limits of the wave speed [m/s], far below and far above those of all solids; largest density [kg/m³].
 SLOW, FAST, DENSE = 1.0, 30000.0, 30000.0
+# The acceleration of gravity on the earth, in m/s² and so in no other units.
+EARTH = (9.7, 9.9)
 # Two bodies are in the same place if this fraction of the smaller one is inside the other; number of
 # its element centres that are checked.
 COMMON, TRIED = 0.5, 64
@@ -173,17 +175,25 @@ def _angle(X: NDArray[Any], u: NDArray[Any]) -> float:
 
 
 def _units(problem: Problem) -> Iterator[SceneWarning]:
-    given = [(i, each) for i, body in enumerate(problem.bodies.values()) for each in body.materials]
-    for i, material in given:
-        si = speeds(material)[0] * problem.parts.units.factor("velocity")
+    units, given = problem.parts.units, dict[str, tuple[int, Any]]()
+    for i, body in enumerate(problem.bodies.values()):
+        for each in body.materials:
+            given.setdefault(each.name, (i, each))
+    for i, material in given.values():
+        si = speeds(material)[0] * units.factor("velocity")
         if not SLOW <= si <= FAST:
             text = f"c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s"
-        elif (si := material.density * problem.parts.units.factor("density")) > DENSE:
+        elif (si := material.density * units.factor("density")) > DENSE:
             text = f"the density {si:.4g} kg/m³ is above {DENSE:g} kg/m³"
         else:
             continue
         text = f'material "{material.name}": {text}; are young, density and [units] consistent?'
         yield SceneWarning("units", text, f"body[{i}]")
+    factor, weight = units.factor("velocity") / units.factor("time"), problem.parts.gravity
+    size = math.hypot(*weight.acceleration) if weight else 0.0
+    if EARTH[0] <= size <= EARTH[1] and not math.isclose(factor, 1.0):
+        text = f"{size:g} {units.length}/{units.time}^2 are {size * factor:.4g} m/s²; {size:g} m/s² are {size / factor:.6g} {units.length}/{units.time}^2"
+        yield SceneWarning("units", text, "gravity.acceleration")
     for at, table in walk(problem.parts, Place()):
         if isinstance(table, Turn) and abs(table.angle) > 2.0 * math.pi:
             text = f"{table.angle:g} rad is more than a turn; {table.angle:g} degrees are {math.radians(table.angle):.5g} rad"
@@ -339,10 +349,10 @@ class Borders(Observer):
             self._first[i] = found["deepest"]
         if not found["deepest"] > self._first[i] + self.DEEP * edge:
             return ""
-        finer = "finer faces help"
+        finer, units = "finer faces help", self._problem.parts.units
         if self._problem.parts.contact[i].points == "gauss":
             finer = 'finer faces or points = "lobatto" help'
-        return f"a corner of {found['surface']} is {found['deepest']:.3g} inside the other surface at t = {state.time:.6g}, where no contact point is: the bodies pass into each other beside the surfaces, or between their points, where {finer}"
+        return f"a corner of {found['surface']} is {found['deepest']:.3g} {units.length} inside the other surface at t = {state.time:.6g} {units.time}, where no contact point is: the bodies pass into each other beside the surfaces, or between their points, where {finer}"
 
 
 # Surfaces that face away from each other.
