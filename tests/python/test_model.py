@@ -476,6 +476,12 @@ def test_calls_take_the_keys_of_the_model(call, table, more):
     scene = ct.Scene(units=METRES)
     with pytest.raises(TypeError, match=f"{call}: .*yuong"):
         method(**{**needed, "self": scene}, yuong=1)
+    with pytest.raises(
+        TypeError, match=f"{call}: too many .*; by name it takes .*{[*table.keys()][-1]}"
+    ):
+        method(scene, *range(40))
+    with pytest.raises(TypeError, match=f'{call}: .*; did you mean "'):
+        method(**{**needed, "self": scene}, **{[*found][-1].upper() + "s": 1})
 
 
 def test_a_scene_is_built_from_the_tables_of_a_file():

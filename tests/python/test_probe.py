@@ -336,7 +336,7 @@ REFUSED = [
         'did you mean "displacement"?',
     ),
     ({"surface": "bar.x_min", "quantities": []}, "probe[0].quantities", "name at least one"),
-    ({"surface": "bar.x_min", "every": 0}, "probe[0].every", "from 1"),
+    ({"surface": "bar.x_min", "every": 0}, "probe[0].every", "at least 1"),
     ({"name": "a/b", "surface": "bar.x_min"}, "probe[0].name", "slash"),
 ]
 

@@ -72,7 +72,7 @@ def test_a_ball_and_a_shell_collide_along_a_line():
     "shape, change, key, reason",
     [
         ("ball", {"radius": 0}, "radius", "above 0"),
-        ("ball", {"cells": [0, 8]}, "cells[0]", "from 1"),
+        ("ball", {"cells": [0, 8]}, "cells[0]", "at least 1"),
         ("ball", {"cells": [1, 10]}, "cells[1]", "multiple of 4"),
         ("shell", {"radius": [1.0, 0.5]}, "radius[1]", "above the inner"),
         ("shell", {"cells": [1, 8, 1]}, "cells", "2"),

@@ -121,7 +121,7 @@ def test_laws_rings_and_spins_are_explained():
         (
             {"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [1, 2, 1]}},
             "body[0].ring.cells[1]",
-            "from 3",
+            "at least 3",
         ),
         (
             {"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [10000, 10000, 1000]}},

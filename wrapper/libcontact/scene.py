@@ -108,7 +108,10 @@ def _call(call: str, table: Any, *pair: str) -> Any:
         try:
             given = whole.bind(*values, **entries).arguments
         except TypeError as error:
-            raise TypeError(f"{call}: {error}") from None
+            known = [*whole.parameters][1:]
+            wrong = [suggestion(each, known) for each in entries if each not in whole.parameters]
+            hint = wrong[0] if wrong else f"; by name it takes {', '.join(known)}"
+            raise TypeError(f"{call}: {error}{hint}") from None
         scene: Scene = given.pop("self")
         two = [given.pop(word) for word in pair if word in given]
         if pair and (len(two) == 2) == ("surfaces" in given) or len(two) == 1:

@@ -214,7 +214,8 @@ class Whole(Kind):
         whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
         at.need(whole, value, "a whole number")
         inside = self.least <= value <= self.most
-        at.need(inside, value, f"from {self.least} to {self.most}")
+        most = f" and at most {self.most}" if self.most < MOST or value > MOST else ""
+        at.need(inside, value, f"at least {self.least}{most}")
         at.need(value % self.step == 0, value, f"a multiple of {self.step}")
         return int(value)
 
@@ -649,7 +650,15 @@ class Table:
                 kind = field.metadata["kind"]
                 if isinstance(kind, Several) and isinstance(value[name], dict):
                     cls._check_single(name, value, at)
-                found[name] = kind.read(value[name], at / name)
+                try:
+                    found[name] = kind.read(value[name], at / name)
+                except SceneError as error:  # a list that is none or too short: of what?
+                    if isinstance(kind, Each) and error.key == (at / name).key:
+                        meant = plain(cls.docs().get(name, "")).rstrip(".")
+                        raise (at / name).error(
+                            f"{error.reason}: {meant[:1].lower()}{meant[1:]}"
+                        ) from None
+                    raise
         return cls(**found)
 
     @classmethod
