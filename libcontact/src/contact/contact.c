@@ -61,7 +61,6 @@ void ct_contact_close(void *state)
   if (contact == NULL) return;
   for (int s = 0; s < 2; s++) ct_side_clear(&contact->gaps.side[s]);
   ct_release(contact->terms);
-  ct_release(contact->before);
   ct_release(contact->carried.weights);
   ct_release(contact);
 }
@@ -78,9 +77,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
     contact->reach = HUGE_VAL, contact->part = 1.0;
     contact->terms = ct_allocate((size_t)(fixed->gaps.point_count + fixed->is.node_count),
                                  sizeof *contact->terms);
-    contact->before = ct_allocate((size_t)fixed->gaps.point_count, sizeof *contact->before);
-    status = contact->terms != NULL && contact->before != NULL ? fixed->partner->open(contact)
-                                                               : CT_ERROR_MEMORY;
+    status = contact->terms != NULL ? fixed->partner->open(contact) : CT_ERROR_MEMORY;
   }
   if (status != CT_OK) {
     ct_contact_close(contact);
@@ -300,6 +297,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
                                          first ? now->time : record->time, contact->terms);
   record->begun = 1.0;
   record->time = now->time;
+  contact->memory = now->memory;
   contact->complete = 0;
   ct_status status = ct_contact_collect(contact, top, error);
   if (status != CT_OK) return status;

@@ -82,14 +82,13 @@ struct ct_contact {
   double part;    /* of the time since the last step that the step before counts; 1, or less after a
                      step that was divided */
   double *terms;  /* memory for sums, one number per point and node */
-  double *before; /* energy that each point stored and held at the middle of the last step; in
-                     pieces 0 for those of others */
   int solved;     /* whether the forces are those of solved rows */
   int complete;   /* whether what only results need of these rows is known: */
   double energy;  /* of the constraints */
   double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
   double left;    /* the most that a point of this piece leaves in this step (eq:impact-left) */
   ct_contact_record record;
+  const double *memory; /* of the last step; unchanged until the next one is computed */
   /* Of an obstacle: its position, its motion since the last step and until the next one, and the
    * direction of its axis; the distance from which a point may reach it until then; and what
    * carries it. */

@@ -19,7 +19,8 @@ static double start_of(const ct_point *p) { return p->listed ? ct_law_start(&p->
 CT_INLINE double above_zero(double x) { return x > 0.0 ? x : 0.0; }
 static double reserve_of(const ct_point *p) { return above_zero(p->row.impact.reserve); }
 static double debt_of(const ct_point *p) { return above_zero(-p->row.impact.reserve); }
-static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
+static double stored_in(const ct_impact *m) { return m->stored + above_zero(m->reserve); }
+static double stored_of(const ct_point *p) { return stored_in(&p->row.impact); }
 
 static double left_of(const ct_point *p) { return ct_law_left(&p->row); }
 
@@ -73,16 +74,14 @@ CT_INLINE void shift_row(const ct_contact *contact, const ct_side *side, along m
 /* List the rows of the points of a side; `alike`: their gaps change alike besides the motion of
  * nodes. Inlined for both. */
 CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *side, const along *m,
-                              double dt, double *before, ct_constraint **rows)
+                              double dt, ct_constraint **rows)
 {
   const double reach = contact->reach, came = -contact->part * m->came, moved = -m->coming;
   const int rigid = ct_contact_is_rigid(contact->fixed) && contact->fixed->carrier == NULL,
             folds = !ct_contact_is_rigid(contact->fixed) && contact->gaps.fixed->sides == 1;
   ct_constraint **to = rows;
-  for (ct_span run = {0}; ct_side_next(side, &run);) {
-    double *stored = &before[run.first];
+  for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
-      *stored++ = stored_of(p);
       p->listed = is_listed(reach, &p->row);
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
@@ -94,7 +93,6 @@ CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *sid
       else shift_row(contact, side, *m, rigid, p);
       *to++ = &p->row;
     }
-  }
   return to - rows;
 }
 
@@ -106,16 +104,14 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
                    rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
   int64_t count = 0;
-  double *before = contact->before;
   contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     ct_constraint **own = &rows[count];
     if (!side->shifted && (!rigid || axis != NULL)) // no start gaps
-      count += list_points(1, contact, side, &m, dt, before, own);
-    else count += list_points(0, contact, side, &m, dt, before, own);
+      count += list_points(1, contact, side, &m, dt, own);
+    else count += list_points(0, contact, side, &m, dt, own);
     for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, *own);
-    before += side->fixed->point_count;
   }
   return count;
 }
@@ -201,13 +197,19 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
-/* The same of what the points had in the step before. */
+/* The same of what the points stored and held at the middle of the last step, in its memory. */
 static double sum_before(ct_contact *contact)
 {
+  const ct_point_record *record = (const ct_point_record *)(const void *)contact->memory;
   int64_t some = 0;
-  for (int64_t i = 0; i < contact->gaps.fixed->point_count; i++) {
-    contact->terms[some] = contact->before[i];
-    some += contact->terms[some] != 0.0;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (int64_t i = run.first; i < run.end; i++) {
+        contact->terms[some] = stored_in(&record[i].impact);
+        some += contact->terms[some] != 0.0;
+      }
+    record += side->fixed->point_count;
   }
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
