@@ -136,8 +136,8 @@ CT_INLINE ct_largest_row store_side(int plain, int64_t count, const ct_point *re
   double top = largest.force, least = -largest.debt;
   for (const ct_point *end = point + count; point < end; point++, record++) {
     store_point(plain, point, record);
-    top = point->row.force > top ? point->row.force : top;
-    least = point->row.impact.reserve < least ? point->row.impact.reserve : least;
+    top = top > point->row.force ? top : point->row.force;
+    least = least < point->row.impact.reserve ? least : point->row.impact.reserve;
   }
   return (ct_largest_row){.force = top, .debt = -least};
 }
