@@ -23,13 +23,22 @@ static inline int ct_grid_init(ct_grid *grid, double top, int64_t count)
   return 1;
 }
 
+/* Cut x into a multiple of each spacing. */
+static inline void ct_grid_cut(const ct_grid *grid, double x, double *coarse, double *fine)
+{
+  // q = G round(x / G), r = g round((x - q) / g) (eq:order-free-sum)
+  const double q = (x + grid->coarse) - grid->coarse;
+  *coarse = q;
+  *fine = ((x - q) + grid->fine) - grid->fine;
+}
+
 /* Add x to the two sums. */
 static inline void ct_grid_add(const ct_grid *grid, double x, double *sum_coarse, double *sum_fine)
 {
-  // q = G round(x / G), r = g round((x - q) / g) (eq:order-free-sum)
-  double q = (x + grid->coarse) - grid->coarse;
-  *sum_coarse += q;
-  *sum_fine += ((x - q) + grid->fine) - grid->fine;
+  double coarse, fine;
+  ct_grid_cut(grid, x, &coarse, &fine);
+  *sum_coarse += coarse;
+  *sum_fine += fine;
 }
 
 #endif

@@ -48,6 +48,17 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_INLINE static inline
 #endif
 
+/* Add two numbers to two others, side by side. */
+CT_INLINE void ct_add_pair(const double from[2], double to[2])
+{
+#if defined(__GNUC__)
+  typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+  *(pair *)to += *(const pair *)from;
+#else
+  for (int i = 0; i < 2; i++) to[i] += from[i];
+#endif
+}
+
 /* The larger of two numbers without a call, as fmax would be in a loop over lanes; b if a is NaN.
  */
 CT_INLINE double ct_larger(double a, double b) { return a > b ? a : b; }

@@ -411,48 +411,44 @@ static void spread_stations(const ct_grid *grid, int solved, const ct_side *stat
   ct_heap_bring(8, &heap, NULL);
 }
 
-/* Whether the points of a face at a plane are these four, and have forces. */
-CT_INLINE int press_four(const ct_side *side, const ct_point *p)
+/* The least force of the four points of a face. */
+CT_INLINE double least_force(const ct_point *p)
 {
-  return side->fixed->rule.count == 4 && p[0].row.force > 0.0 && p[1].row.force > 0.0 &&
-         p[2].row.force > 0.0 && p[3].row.force > 0.0;
+  double least = p[0].row.force;
+  for (int q = 1; q < 4; q++) least = least < p[q].row.force ? least : p[q].row.force;
+  return least;
 }
 
-/* Add terms to the sums at the nodes of a face with `per` nodes. */
+/* Add terms to the sums at the nodes of a face with `per` nodes, coarse and fine ones in turn. */
 CT_INLINE void push_terms(int stride, int per, const ct_grid *grid, const int32_t *node,
-                          const double *term, ct_side *side)
+                          const double *term, double *sums)
 {
-  double coarse[8] = {0.0}, fine[8] = {0.0};
+  double cut[8][2];
 #pragma omp simd
-  for (int a = 0; a < stride; a++) ct_grid_add(grid, term[a], &coarse[a], &fine[a]);
-  for (int a = 0; a < per; a++) {
-    side->force[node[a]] += coarse[a];
-    side->force_fine[node[a]] += fine[a];
-  }
+  for (int a = 0; a < stride; a++) ct_grid_cut(grid, term[a], &cut[a][0], &cut[a][1]);
+  for (int a = 0; a < per; a++) ct_add_pair(cut[a], &sums[2 * (int64_t)node[a]]);
 }
 
 /* Sizes of the forces of a face's points, which have one direction, summed at its nodes: Σ N_a λ.
- * Inlined with a known `per`. */
-CT_INLINE void push_face(int stride, int per, const ct_grid *grid, ct_side *side, int32_t face)
+ * Inlined with a known `per` and number of points. */
+CT_INLINE void push_face(int stride, int per, int points, const ct_grid *grid, const double (*N)[8],
+                         const ct_point *p, const int32_t *node, double *sums)
 {
-  const ct_point *p = &side->points[(int64_t)face * side->fixed->rule.count];
-  const int32_t *node = nodes_of(side->search, face);
-  const double (*N)[8] = side->fixed->N;
   double term[8];
-  if (press_four(side, p)) {
+  if (points == 4 && least_force(p) > 0.0) {
 #pragma omp simd
     for (int a = 0; a < stride; a++)
       // -- N_a λ of four points, as in ct_heap_add_four (eq:contact-force)
       term[a] = (N[0][a] * p[0].row.force + N[3][a] * p[3].row.force) +
                 (N[1][a] * p[1].row.force + N[2][a] * p[2].row.force);
-    push_terms(stride, per, grid, node, term, side);
+    push_terms(stride, per, grid, node, term, sums);
     return;
   }
-  for (int q = 0; q < side->fixed->rule.count; q++) {
+  for (int q = 0; q < points; q++) {
     if (p[q].row.force == 0.0) continue;
     // -- N_a λ (eq:contact-force)
     for (int a = 0; a < stride; a++) term[a] = N[q][a] * p[q].row.force;
-    push_terms(stride, per, grid, node, term, side);
+    push_terms(stride, per, grid, node, term, sums);
   }
 }
 
@@ -461,22 +457,23 @@ CT_CLONES
 static void push_plane(const ct_grid *grid, ct_side *side, const double axis[3])
 {
   const int64_t count = side->search->node_count;
-  const int per = side->search->per;
+  const int per = side->search->per, points = side->fixed->rule.count;
   const ct_grid at = *grid; // as above
-  double *coarse = side->force, *fine = side->force_fine;
-  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
-    for (int32_t face = (int32_t)run.first; face < run.end; face++)
-      if (per == 4) push_face(4, 4, &at, side, face);
-      else push_face(8, per, &at, side, face);
-  ct_pieces_sum(side->pieces, coarse, count);
-  ct_pieces_sum(side->pieces, fine, count);
-  // The sizes are in the first third of the array; from the last node on, none is overwritten
-  // before it is read.
-  for (int64_t n = count; n-- > 0;) {
-    const double size = coarse[n] + fine[n];
+  const double (*N)[8] = side->fixed->N;
+  double *sums = side->force_fine; // zeros, also afterwards
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);) {
+    const ct_point *p = &side->points[run.first * points];
+    const int32_t *node = nodes_of(side->search, (int32_t)run.first);
+    for (; run.first < run.end; run.first++, p += points, node += per)
+      if (per == 4 && points == 4) push_face(4, 4, 4, &at, N, p, node, sums);
+      else push_face(8, per, points, &at, N, p, node, sums);
+  }
+  ct_pieces_sum(side->pieces, sums, 2 * count);
+  for (int64_t n = 0; n < count; n++) {
+    const double size = sums[2 * n] + sums[2 * n + 1];
     // -- F = λ n (eq:constraint-force)
     for (int c = 0; c < 3; c++) side->force[3 * n + c] = size * axis[c];
-    fine[n] = 0.0;
+    sums[2 * n] = sums[2 * n + 1] = 0.0;
   }
 }
 
@@ -488,9 +485,8 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
   ct_grid grid;
   ct_pieces_largest(sides[0].pieces, &top, 1);
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
-    // At a plane the sums of sizes need a third of the arrays.
     const size_t size = (size_t)sides[s].search->node_count;
-    ct_clear(sides[s].force, plane ? (top > 0.0 ? 1 : 3) * size : 6 * size + 1);
+    if (!plane || top == 0.0) ct_clear(sides[s].force, (plane ? 3 : 6) * size + 1);
   }
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
