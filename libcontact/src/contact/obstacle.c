@@ -191,18 +191,29 @@ CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const i
   }
 }
 
-/* Store the gap of a point over a plane; unless it is plain, its status, and its vector to the
- * plane if that is wanted. */
-CT_INLINE void keep_gap(int plain, const ct_side *side, double gap, const double *wanted,
+/* Store the gap of a point over a plane, measured and as it counts; unless it is plain, its status,
+ * and its vector to the plane if that is wanted. */
+CT_INLINE void keep_gap(int plain, double gap, double counted, const double *wanted,
                         ct_point *point)
 {
-  point->row.gap = ct_side_gap(side, gap);
+  point->row.gap = counted;
   if (plain) return;
   point->last_known = point->known;
   point->known = gap;
   point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; wanted != NULL && c < 3; c++) point->d[c] = -gap * wanted[c];
+}
+
+/* Gaps of the points of a face, inlined as `meet_face` for plain points and others. */
+CT_INLINE void meet_points(int plain, int per, int points, const ct_side *side, const int32_t *node,
+                           const double *height, const double *wanted, ct_point *point)
+{
+  double gap[32], counted[32];
+  meet_face(per, points, side->fixed, node, height, gap);
+#pragma omp simd
+  for (int q = 0; q < points; q++) counted[q] = ct_side_gap(side, gap[q]);
+  for (int q = 0; q < points; q++) keep_gap(plain, gap[q], counted[q], wanted, &point[q]);
 }
 
 /* Gaps of all points over a plane, inlined for plain points and others. */
@@ -216,14 +227,8 @@ CT_INLINE void meet_faces(int plain, const ct_contact *contact, const double *he
     for (int64_t f = run.first; f < run.end; f++) {
       const int32_t *node = &search->faces[f * per];
       ct_point *point = &side->points[f * points];
-      double gap[32];
-      if (four) {
-        meet_face(4, 4, side->fixed, node, height, gap);
-        for (int q = 0; q < 4; q++) keep_gap(plain, side, gap[q], wanted, &point[q]);
-      } else {
-        meet_face(per, points, side->fixed, node, height, gap);
-        for (int q = 0; q < points; q++) keep_gap(plain, side, gap[q], wanted, &point[q]);
-      }
+      if (four) meet_points(plain, 4, 4, side, node, height, wanted, point);
+      else meet_points(plain, per, points, side, node, height, wanted, point);
     }
 }
 
