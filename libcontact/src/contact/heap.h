@@ -61,19 +61,22 @@ CT_INLINE void ct_heap_add(int stride, const ct_grid *grid, const int32_t *node,
 /* Add the forces at the four points of a 2 x 2 rule, of which all act on one face with `count`
  * nodes, past the heap, or with the sign -1 subtract them. Their fourth component is 0 and changes
  * nothing in the number behind a node's sums. Forces are summed first, paired across the middle, so
- * that a flipped or rotated face gives the same bits (eq:tree-sum). */
-CT_INLINE void ct_heap_add_four(int count, const ct_grid *grid, const int32_t *node,
+ * that a flipped or rotated face gives the same bits (eq:tree-sum). Each weight stands once in N,
+ * or, with `times` = 4, for each component. */
+CT_INLINE void ct_heap_add_four(int count, int times, const ct_grid *grid, const int32_t *node,
                                 const double *const N[4], double sign, double (*const force)[4],
                                 const ct_heap *heap)
 {
   for (int a = 0; a < count; a++) {
     double *coarse = &heap->coarse_sum[3 * (int64_t)node[a]],
            *fine = &heap->fine_sum[3 * (int64_t)node[a]];
-    const double N0 = N[0][a], N1 = N[1][a], N2 = N[2][a], N3 = N[3][a];
+    const double *N0 = N[0] + times * a, *N1 = N[1] + times * a, *N2 = N[2] + times * a,
+                 *N3 = N[3] + times * a;
 #pragma omp simd
     for (int c = 0; c < 4; c++) {
-      const double sum =
-          sign * ((N0 * force[0][c] + N3 * force[3][c]) + (N1 * force[1][c] + N2 * force[2][c]));
+      const int i = c % times;
+      const double sum = sign * ((N0[i] * force[0][c] + N3[i] * force[3][c]) +
+                                 (N1[i] * force[1][c] + N2[i] * force[2][c]));
       ct_grid_add(grid, sum, &coarse[c], &fine[c]);
     }
   }

@@ -327,59 +327,77 @@ CT_INLINE int has_force(const ct_point *p, int solved)
   return solved ? p->row.force > 0.0 : ct_point_has_force(p);
 }
 
-/* Add the forces of the points of a face, one by one, and what acts against them on the other side.
- */
+/* Add the forces of the points of a face with the nodes `node`, one by one, and what acts against
+ * them on the `faces` of the other side, null if there is none. */
 CT_INLINE void spread_points(int stride, const ct_grid *grid, int solved, const ct_side *side,
-                             int32_t face, const ct_side *other, ct_heap *own, ct_heap *theirs)
+                             const ct_point *point, const int32_t *node, const int32_t *faces,
+                             ct_heap *own, ct_heap *theirs)
 {
-  const ct_point *point = &side->points[(int64_t)face * side->fixed->rule.count];
   for (int q = 0; q < side->fixed->rule.count; q++, point++) {
     double force[4];
     if (!has_force(point, solved)) continue;
     force_of(point, solved, force);
     // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
-    ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], force, own);
-    if (other == NULL) continue;
+    ct_heap_add(stride, grid, node, side->fixed->N[q], force, own);
+    if (faces == NULL) continue;
     for (int c = 0; c < 3; c++) force[c] = -force[c];
-    ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, force, theirs);
+    ct_heap_add(stride, grid, &faces[(int64_t)point->other * theirs->count], point->N, force,
+                theirs);
   }
 }
 
-/* Whether the points of a face are the four of a 2 x 2 rule, have forces, and meet one face. */
-CT_INLINE int are_four(const ct_side *side, int solved, const ct_point *point)
+/* The least force of the four points of a face. */
+CT_INLINE double least_force(const ct_point *p)
 {
-  int four = side->fixed->rule.count == 4;
+  double least = p[0].row.force;
+  for (int q = 1; q < 4; q++) least = least < p[q].row.force ? least : p[q].row.force;
+  return least;
+}
+
+/* Whether four points have forces and meet one face. */
+CT_INLINE int are_four(int solved, const ct_point *point)
+{
+  int four = !solved || least_force(point) > 0.0;
   for (int q = 0; four && q < 4; q++)
-    four = has_force(&point[q], solved) && point[q].other == point[0].other;
+    four = (solved || has_force(&point[q], 0)) && point[q].other == point[0].other;
   return four;
 }
 
 /* The same as `spread_points` for such points, together. */
-CT_INLINE void spread_four(int stride, const ct_grid *grid, int solved, const ct_side *side,
-                           int32_t face, const ct_side *other, ct_heap *own, ct_heap *theirs)
+CT_INLINE void spread_four(int stride, const ct_grid *grid, int solved, double (*const N)[8][4],
+                           const ct_point *point, const int32_t *node, const int32_t *faces,
+                           ct_heap *own, ct_heap *theirs)
 {
-  const ct_point *point = &side->points[4 * (int64_t)face];
-  const double (*N)[8] = side->fixed->N, *const own_N[4] = {N[0], N[1], N[2], N[3]},
-               *const N_bar[4] = {point[0].N, point[1].N, point[2].N, point[3].N};
+  const double *const own_N[4] = {N[0][0], N[1][0], N[2][0], N[3][0]};
+  const double *const N_bar[4] = {point[0].N, point[1].N, point[2].N, point[3].N};
+  const int own_count = stride == 4 ? 4 : own->count, count = stride == 4 ? 4 : theirs->count;
   double force[4][4];
   for (int q = 0; q < 4; q++) force_of(&point[q], solved, force[q]);
-  ct_heap_add_four(stride == 4 ? 4 : own->count, grid, nodes_of(side->search, face), own_N, 1.0,
-                   force, own);
-  if (other == NULL) return;
-  ct_heap_add_four(stride == 4 ? 4 : theirs->count, grid, nodes_of(other->search, point->other),
-                   N_bar, -1.0, force, theirs);
+  ct_heap_add_four(own_count, 4, grid, node, own_N, 1.0, force, own);
+  if (faces == NULL) return;
+  ct_heap_add_four(count, 1, grid, &faces[(int64_t)point->other * count], N_bar, -1.0, force,
+                   theirs);
 }
 
 CT_INLINE void spread_faces(int stride, const ct_grid *grid, int solved, ct_side *side,
                             ct_side *other)
 {
   const ct_grid at = *grid; // which need not be read again after each number that is written
+  const int points = side->fixed->rule.count;
+  const int32_t *faces = other == NULL ? NULL : other->search->faces;
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
-  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
-    for (int32_t face = (int32_t)run.first; face < run.end; face++)
-      if (are_four(side, solved, &side->points[(int64_t)face * side->fixed->rule.count]))
-        spread_four(stride, &at, solved, side, face, other, &own, &theirs);
-      else spread_points(stride, &at, solved, side, face, other, &own, &theirs);
+  double N[4][8][4]; // each one four times
+  for (int q = 0; q < 4; q++)
+    for (int a = 0; a < 8; a++)
+      for (int c = 0; c < 4; c++) N[q][a][c] = side->fixed->N[q][a];
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);) {
+    const ct_point *point = &side->points[run.first * points];
+    const int32_t *node = nodes_of(side->search, (int32_t)run.first);
+    for (; run.first < run.end; run.first++, point += points, node += own.count)
+      if (points == 4 && are_four(solved, point))
+        spread_four(stride, &at, solved, N, point, node, faces, &own, &theirs);
+      else spread_points(stride, &at, solved, side, point, node, faces, &own, &theirs);
+  }
   ct_heap_bring(stride, &own, NULL);
   ct_heap_bring(stride, &theirs, NULL);
 }
@@ -409,14 +427,6 @@ static void spread_stations(const ct_grid *grid, int solved, const ct_side *stat
       ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, force, &heap);
     }
   ct_heap_bring(8, &heap, NULL);
-}
-
-/* The least force of the four points of a face. */
-CT_INLINE double least_force(const ct_point *p)
-{
-  double least = p[0].row.force;
-  for (int q = 1; q < 4; q++) least = least < p[q].row.force ? least : p[q].row.force;
-  return least;
 }
 
 /* Add terms to the sums at the nodes of a face with `per` nodes, coarse and fine ones in turn. */
