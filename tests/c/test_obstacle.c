@@ -215,6 +215,36 @@ static void moving_wall(int amplitude)
   tap_ok(balance < 1e-12 * 20.0, "work balance %.2g", balance / 20.0);
 }
 
+/* A plane whose velocity changes beneath a block, all of whose points stay near: with the rows of
+ * the next gaps its work is all that the total gains. (eq:obstacle-work, eq:energy-controlled) */
+static void shaken(double restitution)
+{
+  double times[5] = {0.0, 0.1, 0.2, 0.3, 0.5}, share[5] = {0.0, 0.1, 0.3, 0.8, 0.9};
+  ct_obstacle_def o = {COOKIE,
+                       .shape = CT_OBSTACLE_PLANE,
+                       .axis = {0, 0, 1},
+                       .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                       .initial_penetration = CT_INITIAL_KEEP,
+                       .epsilon = ct_contact_penalty(1.0, 900.0, 0.5),
+                       .restitution = restitution,
+                       .travel_time = 0.5 / 30.0,
+                       .travel = {0, 0, 0.1},
+                       .amplitude = {5, times, share}};
+  against t = begin(box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), &SOFT, 0, 0, 0);
+  double total = 0.0, growth = 0.0, most = 0.0;
+  add_obstacle(&t, o, 2, 0.0, 0.0);
+  finish(&t, 0.5, 0.5);
+  while (t.state->time < 0.5 - 1e-9) {
+    advance(t.problem, t.state, 8);
+    const ct_energy e = energy_of(t.problem, t.state);
+    growth = fmax(growth, e.total - total), most = fmax(most, e.kinetic);
+    total = e.total;
+  }
+  tap_ok(most > 0.01 && growth < 1e-12 * most && (restitution == 0.0 || total > -1e-3 * most),
+         "restitution %g: the total of a shaken block grows by %.2g and loses %.2g", restitution,
+         growth / most, -total / most);
+}
+
 /* A block that begins far below a plane is pushed out, at any depth. */
 static void depth(void)
 {
@@ -607,6 +637,8 @@ int main(void)
            "cylinder, Q4");
   moving_wall(0);
   moving_wall(1);
+  shaken(0.0);
+  shaken(1.0);
   depth();
   static const char *const NAMES[] = {"plane", "sphere", "cylinder"};
   for (int shape = 0; shape < 3; shape++)

@@ -73,6 +73,13 @@ typedef struct ct_contact_record {
   double motion;      /* work of its motion since t = 0 */
 } ct_contact_record;
 
+/* What the rows of a side still have from the last step: whether all of its points were listed, and
+ * with which changes of all gaps (eq:constraint-force). */
+typedef struct ct_listing {
+  int all;
+  double came, moved;
+} ct_listing;
+
 /* State of a contact or an obstacle: of a host, or of one state. */
 struct ct_contact {
   const ct_contact_fixed *fixed;
@@ -88,11 +95,13 @@ struct ct_contact {
   double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
   double left;    /* the most that a point of this piece leaves in this step (eq:impact-left) */
   ct_contact_record record;
-  const double *memory; /* of the last step; unchanged until the next one is computed */
+  const double *memory;  /* of the last step; unchanged until the next one is computed */
+  ct_listing listing[2]; /* of each side */
   /* Of an obstacle: its position, its motion since the last step and until the next one, and the
-   * direction of its axis; the distance from which a point may reach it until then; and what
-   * carries it. */
+   * direction of its axis; the distance from which a point may reach it until then, and whether
+   * all points are nearer; and what carries it. */
   double place[3], came[3], coming[3], direction[3], reach;
+  int all_near;
   ct_carried carried;
   const double *axis;   /* direction of all forces, of a plane; else null */
   double reaction[3];   /* force on it; if it does not move, known with the energies */

@@ -262,6 +262,9 @@ static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_e
   move(contact, now);
   if (is_plane(contact)) {
     find_heights(contact, contact->terms);
+    // The weights of a face's nodes have sizes of at most 3 together.
+    contact->all_near =
+        4.0 * ct_largest(contact->terms, surface->search->node_count) < contact->reach;
     meet_plane(contact, contact->terms, now->first);
     return CT_OK;
   }

@@ -72,27 +72,40 @@ CT_INLINE void shift_row(const ct_contact *contact, const ct_side *side, along m
 }
 
 /* List the rows of the points of a side; `alike`: their gaps change alike besides the motion of
- * nodes. Inlined for both. */
-CT_INLINE int64_t list_points(int alike, ct_contact *contact, const ct_side *side, const along *m,
-                              double dt, ct_constraint **rows)
+ * nodes; `written`: as they did in the last step, in which all points were listed. Inlined for
+ * each. */
+CT_INLINE int64_t list_points(int alike, int written, ct_contact *contact, const ct_side *side,
+                              const along *m, double dt, ct_listing *next, ct_constraint **rows)
 {
-  const double reach = contact->reach, came = -contact->part * m->came, moved = -m->coming;
+  const double reach = contact->reach, came = next->came, moved = next->moved;
   const int rigid = ct_contact_is_rigid(contact->fixed) && contact->fixed->carrier == NULL,
             folds = !ct_contact_is_rigid(contact->fixed) && contact->gaps.fixed->sides == 1;
   ct_constraint **to = rows;
+  next->all = alike;
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
-      p->listed = is_listed(reach, &p->row);
-      if (!p->listed) {
+      if (!is_listed(reach, &p->row)) {
+        next->all = p->listed = 0;
         ct_law_leave(&p->row, dt);
         // On its own surface a point is without a partner only for a while, at a sharp fold.
         if (!folds) contact->left = fmax(contact->left, left_of(p));
         continue;
       }
+      *to++ = &p->row;
+      if (written) continue;
+      p->listed = 1;
       if (alike) p->row.came = came, p->row.moved = moved;
       else shift_row(contact, side, *m, rigid, p);
-      *to++ = &p->row;
     }
+  return to - rows;
+}
+
+/* The same if all are listed, as they were. */
+static int64_t list_all(const ct_side *side, ct_constraint **rows)
+{
+  ct_constraint **to = rows;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++) *to++ = &side->points[i].row;
   return to - rows;
 }
 
@@ -107,10 +120,16 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
+    const ct_listing last = contact->listing[s];
+    ct_listing *next = &contact->listing[s];
     ct_constraint **own = &rows[count];
-    if (!side->shifted && (!rigid || axis != NULL)) // no start gaps
-      count += list_points(1, contact, side, &m, dt, own);
-    else count += list_points(0, contact, side, &m, dt, own);
+    const int alike = !side->shifted && (!rigid || axis != NULL); // no start gaps
+    next->came = -contact->part * m.came, next->moved = -m.coming;
+    const int written = alike && last.all && last.came == next->came && last.moved == next->moved;
+    if (written && contact->all_near) count += list_all(side, own);
+    else if (written) count += list_points(1, 1, contact, side, &m, dt, next, own);
+    else if (alike) count += list_points(1, 0, contact, side, &m, dt, next, own);
+    else count += list_points(0, 0, contact, side, &m, dt, next, own);
     for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, *own);
   }
   return count;
