@@ -84,6 +84,8 @@ CT_INLINE int64_t list_points(int alike, int written, ct_contact *contact, const
   next->all = alike;
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
+      for (; written && p < end && p->row.gap <= reach; p++) *to++ = &p->row; // most of them
+      if (p == end) break;
       if (!is_listed(reach, &p->row)) {
         next->all = p->listed = 0;
         ct_law_leave(&p->row, dt);
