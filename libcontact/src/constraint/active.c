@@ -387,7 +387,7 @@ void ct_active_read(ct_solver *s)
 {
   if (s->starts && !s->again) forget(s);
   ct_matrix_fill(s);
-  s->read = 1;
+  s->read = 1, s->written = 0;
 }
 
 /* The rows of the problem, their laws, and the scale of each. */

@@ -52,10 +52,10 @@ CT_INLINE columns columns_of(const ct_law_rows *rows, int64_t r, int count)
   return c;
 }
 
-/* Read the groups from `g` on. */
-CT_INLINE void read_four(const columns c, int g)
+/* Read the groups from `g` to `end` - 1. */
+CT_INLINE void read_four(const columns c, int g, int end)
 {
-  for (; g < READ; g++) {
+  for (; g < end; g++) {
     const double *from[4];
     double *to[4];
     for (int i = 0; i < 4; i++) {
@@ -66,26 +66,26 @@ CT_INLINE void read_four(const columns c, int g)
   }
 }
 
-CT_INLINE void read_one(const columns c, int g)
+CT_INLINE void read_one(const columns c, int g, int end)
 {
-  for (; g < READ; g++)
+  for (; g < end; g++)
     for (int i = 0; i < 4; i++)
       c.first[((int64_t)READS[g][1] + i) * c.most] = c.row[0][READS[g][0] + (size_t)i];
 }
 
-/* Read some rows, those with `known` laws from their gaps on; returns 0 if all have the law of the
- * first. */
+/* Read some rows, as far as they are not known; returns 0 if all have the law of the first. */
 CT_INLINE unsigned read_some(int known, const ct_law_rows *to, int64_t r, int64_t end)
 {
+  const int first = known > 0, last = known == 2 ? 2 : READ;
   const unsigned law = r < end ? (unsigned)to->row[0]->enforcement : 0;
   unsigned differing = 0;
   for (; r + 4 <= end; r += 4) {
     for (int i = 0; !known && i < 4; i++) differing |= (unsigned)to->row[r + i]->enforcement ^ law;
-    read_four(columns_of(to, r, 4), known);
+    read_four(columns_of(to, r, 4), first, last);
   }
   for (; r < end; r++) {
     differing |= (unsigned)to->row[r]->enforcement ^ law;
-    read_one(columns_of(to, r, 1), known);
+    read_one(columns_of(to, r, 1), first, last);
   }
   return differing;
 }
@@ -93,6 +93,7 @@ CT_INLINE unsigned read_some(int known, const ct_law_rows *to, int64_t r, int64_
 CT_CLONES
 static unsigned read_rows(int known, const ct_law_rows *to, int64_t first, int64_t end)
 {
+  if (known == 2) return read_some(2, to, first, end);
   return known ? read_some(1, to, first, end) : read_some(0, to, first, end);
 }
 

@@ -12,7 +12,8 @@
 void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_law_rows *out);
 
 /* Read the rows from `first` to `end` - 1, after those before; `known` if they are those read last,
- * whose laws have not changed. */
+ * whose laws have not changed, or 2 if only their gaps have. An effect that changes what the solver
+ * has written to its rows tells so: the dashpot of the first of them is then not a number. */
 void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end,
                       int known);
 

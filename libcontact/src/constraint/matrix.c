@@ -228,6 +228,19 @@ static int are_known(const ct_solver *s)
          memcmp(s->rows, s->laws.row, (size_t)count * sizeof *s->rows) == 0;
 }
 
+/* How much of the rows must be read: all of them, 0; from their gaps on, 1, if they are known; or
+ * these alone, 2, if they also have what the last solution has written. */
+static int find_known(const ct_solver *s)
+{
+  int known = are_known(s);
+  if (!known || !s->written || !s->laws.one_law || s->laws.count == 0 ||
+      !ct_law_has_rows(s->laws.row[0]->enforcement))
+    return known;
+  for (int32_t k = 0; known && k < s->set_count; k++)
+    if (s->first[k] < s->first[k + 1]) known = !isnan(s->rows[s->first[k]]->dashpot);
+  return 1 + known;
+}
+
 /* Read the rows for their laws as long as they are those of the last step, all at obstacles.
  * Returns whether all are: then G need not be filled. */
 CT_INLINE int keep_rows(ct_solver *s, int known)
@@ -279,7 +292,7 @@ CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
   const ct_solver of = *s; // whose members need not be read again after each number that is written
-  const int known = are_known(s);
+  const int known = find_known(s);
   if (keep_rows(s, known)) {
     s->kept = 2;
     return;

@@ -528,6 +528,7 @@ static void store(ct_solver *s)
   ct_law_rows_write(of);
   for (int64_t r = 0; s->again && r < of->count; r++)
     ct_law_settle_again(of->row[r], s->dt, of->row[r]->impact.release);
+  s->written = !s->again;
 }
 
 /* The forces of the rows that are near, or of all. Returns 0 if they are not finite. */

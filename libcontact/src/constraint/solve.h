@@ -83,6 +83,7 @@ typedef struct ct_solver {
   int starts;      /* whether there was no step before */
   int again;       /* whether the first step was already solved with v_0 */
   int read;        /* whether the listed rows were read for the solution that follows */
+  int written;     /* whether the last solution has written to its rows, and none was read since */
   double *last_increment; /* u_n - u_{n-1}, likewise; at t = 0, Δt v_0 */
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */

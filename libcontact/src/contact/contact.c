@@ -117,6 +117,7 @@ static ct_status begin(ct_contact *contact, const ct_surface_motion *now, ct_err
 {
   const ct_contact_fixed *fixed = contact->fixed;
   contact->record = (ct_contact_record){.begun = 0.0};
+  contact->changed = 1;
   forget(contact);
   if (!ct_start_gap_counts(&fixed->start_rule)) return CT_OK;
   for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
@@ -291,6 +292,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   if (solved) largest = ct_contact_store_points(contact, now->next_memory);
   const double top = solved && !needs_forces(contact) ? largest.force : take_forces(contact);
   const int paid = solved && ct_contact_pay_debts(contact, largest.debt);
+  contact->changed = paid;
   if (fixed->admits) ct_admission_count(contact, first || now->before == 0.0);
   if (ct_start_gap_fades(&fixed->start_rule))
     record->removal += ct_start_gap_work(&fixed->start_rule, sides, count, now->time,

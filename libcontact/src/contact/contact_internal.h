@@ -86,6 +86,7 @@ struct ct_contact {
   ct_contact_fixed *own; /* the same of a host's contact; else null */
   ct_gaps gaps;
   int filled;     /* whether the points are set: from the first step on */
+  int changed;    /* whether what the solver wrote to their rows is not what it finds there */
   double part;    /* of the time since the last step that the step before counts; 1, or less after a
                      step that was divided */
   double *terms;  /* memory for sums, one number per point and node */

@@ -75,6 +75,7 @@ static int32_t partner_count(ct_contact *contact, int s)
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error)
 {
   contact->record = load_whole(contact->fixed, memory);
+  contact->changed = 1;
   for (int s = 0; s < contact->gaps.fixed->sides; s++)
     memory = load_points(&contact->gaps.side[s], ct_contact_other(contact, s),
                          partner_count(contact, s), memory);

@@ -134,6 +134,8 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
     else count += list_points(0, 0, contact, side, &m, dt, next, own);
     for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, *own);
   }
+  if (contact->changed && count > 0) rows[0]->dashpot = NAN; // tells the solver
+  contact->changed = 0;
   return count;
 }
 

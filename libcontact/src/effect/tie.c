@@ -119,6 +119,7 @@ static ct_status tie_list(const ct_effect *effect, const ct_view *view, ct_const
                moved_by(effect, u, row->other_count, row->other, row->other_shape, axis);
     row->force = view->memory[s->number[r]];
   }
+  if (*count > 0) rows[0]->dashpot = NAN; // tells the solver that forces are those of the memory
   return CT_OK;
 }
 
