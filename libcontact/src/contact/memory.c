@@ -112,11 +112,12 @@ typedef char
 CT_INLINE void store_point(int plain, const ct_point *point, ct_point_record *record)
 {
   if (plain) {
-    const ct_point_record met = {.other = 1.0,
-                                 .status = point->row.gap < 0.0 ? (double)CT_POINT_INSIDE
-                                                                : (double)CT_POINT_OUTSIDE,
-                                 .known = point->row.gap};
-    *record = met;
+    static const double none[4] = {0.0};
+    copy_four(none, &record->other); // and status, xi
+    copy_four(none, &record->known);
+    record->other = 1.0;
+    record->status = point->row.gap < 0.0 ? (double)CT_POINT_INSIDE : (double)CT_POINT_OUTSIDE;
+    record->known = point->row.gap;
   } else {
     record->other = (double)point->other + 1.0;
     record->status = (double)(int)point->status;
