@@ -272,9 +272,11 @@ CROSS ?= linux-x86_64 musl-x86_64 musl-aarch64 windows-x86_64 wasm32 wasm32-simd
 CROSS_OPT = -O3 $(NO_PAIRS) -g0 -fno-asynchronous-unwind-tables -fno-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
 FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(addprefix solid/,below blocks bound element stress part call sleep) \
   $(addprefix projection/,nelder_mead simplex simplex_newton bfgs broyden steepest_descent sphere torus certified least_squares patch iterate ray) \
-  $(addprefix step/,probe piece bisect state monitor energy) $(addprefix effect/,tie rigid load absorb rotation) contact/traction
-NOT_UNROLLED := contact/% gap/tunnelling gap/warm projection/proof projection/robust% effect/viscosity \
-  $(addprefix constraint/,active law matrix solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_settle)
+  $(addprefix step/,probe piece bisect state monitor energy cut effect integrator lanczos layers stable subdivide) \
+  $(addprefix effect/,tie rigid load absorb rotation initial_stress) $(addprefix contact/,traction bound penetration result surfaces) \
+  search/inside_out
+NOT_UNROLLED := contact/% gap/% search/% projection/proof projection/robust% effect/viscosity \
+  $(addprefix constraint/,active law law_rows matrix problem release solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_settle)
 FOR_WHEELS = $(if $(findstring -DCT_OWN_RUNTIME,$(CFLAGS)),$(1))
 $(FOR_SIZE:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-Os)
 $(NOT_UNROLLED:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-fno-unroll-loops)

@@ -205,8 +205,9 @@ CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count
   factors f = {places, G, x, out, sizes, out + count};
   for (const ct_group *e = groups; f.out < f.end;)
     if (are_four(e, 4)) e = times_like(part, 1, 4, 4, 4, e, &f);
-    else if (are_four(e, 0)) e = times_like(part, 1, 4, 0, 4, e, &f);
-    else if (e->own == 4 && e->other == 4) e = times_like(part, 0, 4, 4, e->rows, e, &f);
+    else if (part != BOUND && are_four(e, 0)) e = times_like(part, 1, 4, 0, 4, e, &f);
+    else if (part != BOUND && e->own == 4 && e->other == 4)
+      e = times_like(part, 0, 4, 4, e->rows, e, &f);
     else if (e->own == 8 && e->other == 8) e = times_like(part, 0, 8, 8, e->rows, e, &f);
     else e = times_like(part, 0, e->own, e->other, e->rows, e, &f);
 }
@@ -349,8 +350,8 @@ CT_INLINE void add_groups(row_part part, spacings grid, const ct_group *groups, 
   forces f = {places, G, force, sums, groups + count};
   for (const ct_group *e = groups; e < f.end;)
     if (are_four(e, 4)) e = add_like(part, 1, grid, 4, 4, 1, 4, e, &f);
-    else if (are_four(e, 0)) e = add_like(part, 1, grid, 4, 0, 1, 4, e, &f);
-    else if (e->own == 4 && e->other == 4)
+    else if (part != BOUND && are_four(e, 0)) e = add_like(part, 1, grid, 4, 0, 1, 4, e, &f);
+    else if (part != BOUND && e->own == 4 && e->other == 4)
       e = add_like(part, 0, grid, 4, 4, e->face, e->rows, e, &f);
     else if (e->own == 8 && e->other == 8)
       e = add_like(part, 0, grid, 8, 8, e->face, e->rows, e, &f);

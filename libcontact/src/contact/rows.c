@@ -432,7 +432,6 @@ static void spread(const ct_grid *grid, int solved, ct_side *side, ct_side *othe
 {
   const int four = side->search->per == 4 && (other == NULL || other->search->per == 4);
   if (four && solved) spread_faces(4, grid, 1, side, other);
-  else if (four) spread_faces(4, grid, 0, side, other);
   else spread_faces(8, grid, solved, side, other);
 }
 
