@@ -48,7 +48,7 @@ CT_INLINE int is_due(const ct_constraint *c, double dt, double force, ct_opening
 CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
 {
   const double T = c->travel_time / dt;
-  // -- k W (T / Δt)² > 1/100 (eq:release-time)
+  // -- k D (T / Δt)² > 1/100 (eq:release-time)
   return 100.0 * c->stiffness * bound * T * T > 1.0;
 }
 
