@@ -495,9 +495,8 @@ def _acted_on(problem: Problem, touches: Sequence[Touch]) -> tuple[set[str], set
     calm = {name for name, body in parts.bodies.items() if not any(body.velocity)} - moved
     still = {name for name in calm if not pull[name][~fixed[name]].any()}
     before: set[str] | None = None
-    while (
-        still != before
-    ):  # a body that lies on one that stays in its place, or on an obstacle, stays, too
+    # A body that lies on one that stays in its place, or on an obstacle, stays, too.
+    while still != before:
         before = set(still)
         still |= {
             body
