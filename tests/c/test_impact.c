@@ -284,6 +284,60 @@ static void rows_that_change(void)
          wrong);
 }
 
+/* A bar that falls to a floor, which its ends may touch, along a wall. The rows of the wall, which
+ * all stay for a while, follow on those of the floor, which come and go. */
+static const ct_problem *along_a_wall(int64_t *steps)
+{
+  ct_scene *scene = new_scene();
+  ct_mesh *m = box_mesh(CT_HEX8, -1, 0, 0, 2, 0.3, 0.3, 6, 1, 1);
+  add_body(scene, "bar", m, &SOFT, CT_KERNEL_AUTO, 0, -0.01, -0.3);
+  for (int i = 0; i < 2; i++) {
+    ct_obstacle_def o = ct_obstacle_def_default();
+    int32_t *faces = integers(64), ends = 0;
+    o.shape = CT_OBSTACLE_PLANE, o.kind = CT_Q4, o.faces = faces, o.epsilon = 120.0;
+    o.restitution = 1.0, o.travel_time = 0.3;
+    o.face_count = ct_mesh_plane_faces(m, 2 - i, 0.0, faces, NULL);
+    for (int32_t f = 0; i == 0 && f < o.face_count; f++)
+      if (fabs(m->nodes[3 * faces[4 * f]] + m->nodes[3 * faces[4 * f + 2]]) > 1.5)
+        memmove(&faces[4 * ends++], &faces[4 * f], 4 * sizeof *faces);
+    if (i == 0) o.face_count = ends;
+    o.axis[0] = 0.0, o.axis[1] = i, o.axis[2] = 1 - i;
+    o.point[1] = -0.02 * i, o.point[2] = -0.6 * (1 - i);
+    add_made(scene, ct_obstacle_create_effect, &o);
+  }
+  ct_stable_step stable;
+  return build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.6}, steps, &stable);
+}
+
+/* What the solver keeps of rows from step to step changes no bit: two runs, of a bar that slopes to
+ * the one side or the other, end as they do if one state takes their steps in turn. Then the rows
+ * of both are as many, but others. */
+static void rows_that_stay(void)
+{
+  int64_t steps;
+  const ct_problem *p = along_a_wall(&steps);
+  const size_t size = 3 * (size_t)p->node_count * sizeof(double);
+  ct_state *run[2], *apart[2], *one = new_state(p);
+  for (int i = 0; i < 2; i++) {
+    apart[i] = new_state(p), run[i] = new_state(p);
+    for (int32_t n = 0; n < p->node_count; n++) {
+      const double slope = i == 0 ? 0.6 : -0.6, *x = &p->reference[3 * n];
+      apart[i]->displacement[3 * n] = slope * x[2]; // no strain
+      apart[i]->displacement[3 * n + 2] = -slope * x[0];
+    }
+    must(ct_state_copy, p, apart[i], run[i]);
+    advance(p, run[i], steps);
+  }
+  for (int64_t n = 0; n < 2 * steps; n++) {
+    must(ct_state_copy, p, apart[n % 2], one);
+    advance(p, one, 1);
+    must(ct_state_copy, p, one, apart[n % 2]);
+  }
+  for (int i = 0; i < 2; i++)
+    tap_ok(memcmp(run[i]->displacement, apart[i]->displacement, size) == 0,
+           "a run beside a wall has the bits of single steps between those of another");
+}
+
 /* At t = 0 forces are first solved for without the motion of the obstacle (eq:reserve-start); and
  * on a curved obstacle gaps are not linear, so points owe energy (eq:impact-debt). */
 static void no_growth_on_obstacles(void)
@@ -513,6 +567,7 @@ int main(void)
   tilted_bar(0.785);
   no_growth_on_obstacles();
   rows_that_change();
+  rows_that_stay();
   rows_together();
   tight_start();
   for (int i = 0; i < 8; i++)

@@ -19,6 +19,17 @@ ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *erro
 /* Refuse a missing travel time, which only steps need (eq:impact-reserve). */
 ct_status ct_law_check_time(const ct_constraint *law, const char *who, ct_error *error);
 
+/* What an effect of the library tells the solver of the rows that it lists, in the dashpot of the
+ * first of them, which the solver writes anyway and which is never negative: something has changed
+ * what the solver has written to them; they are all rows of the effect, and of their numbers only
+ * the gaps have changed otherwise since they were listed last. */
+enum { CT_ROWS_CHANGED = 1, CT_ROWS_STAY = 2 };
+static inline void ct_rows_tell(ct_constraint *first, int what) { first->dashpot = -what; }
+static inline int ct_rows_told(const ct_constraint *first)
+{
+  return first->dashpot < 0.0 ? (int)-first->dashpot : 0;
+}
+
 /* A law in one step: λ = ⟨-(g_{n+1} + b)⟩ / C (eq:ramp). */
 typedef struct ct_ramp {
   double C; /* compliance, > 0 */

@@ -74,9 +74,9 @@ CT_INLINE void read_one(const columns c, int g, int end)
 }
 
 /* Read some rows, as far as they are not known; returns 0 if all have the law of the first. */
-CT_INLINE unsigned read_some(int known, const ct_law_rows *to, int64_t r, int64_t end)
+CT_INLINE unsigned read_some(ct_rows_known known, const ct_law_rows *to, int64_t r, int64_t end)
 {
-  const int first = known > 0, last = known == 2 ? 2 : READ;
+  const int first = known != CT_ROWS_UNKNOWN, last = known == CT_ROWS_WRITTEN ? 2 : READ;
   const unsigned law = r < end ? (unsigned)to->row[0]->enforcement : 0;
   unsigned differing = 0;
   for (; r + 4 <= end; r += 4) {
@@ -91,14 +91,15 @@ CT_INLINE unsigned read_some(int known, const ct_law_rows *to, int64_t r, int64_
 }
 
 CT_CLONES
-static unsigned read_rows(int known, const ct_law_rows *to, int64_t first, int64_t end)
+static unsigned read_rows(ct_rows_known known, const ct_law_rows *to, int64_t first, int64_t end)
 {
-  if (known == 2) return read_some(2, to, first, end);
-  return known ? read_some(1, to, first, end) : read_some(0, to, first, end);
+  if (known == CT_ROWS_WRITTEN) return read_some(CT_ROWS_WRITTEN, to, first, end);
+  if (known == CT_ROWS_KNOWN) return read_some(CT_ROWS_KNOWN, to, first, end);
+  return read_some(CT_ROWS_UNKNOWN, to, first, end);
 }
 
 void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end,
-                      int known)
+                      ct_rows_known known)
 {
   to->count = end;
   if (!known) ct_copy(&to->row[first], &rows[first], (size_t)(end - first) * sizeof *rows);

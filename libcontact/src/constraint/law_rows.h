@@ -11,11 +11,13 @@
 /* Memory for at most some rows, from a pool, which may fail; `rows` has a place for each. */
 void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_law_rows *out);
 
-/* Read the rows from `first` to `end` - 1, after those before; `known` if they are those read last,
- * whose laws have not changed, or 2 if only their gaps have. An effect that changes what the solver
- * has written to its rows tells so: the dashpot of the first of them is then not a number. */
+/* How much of some rows is there already: nothing; their laws, if they are those read last; or all
+ * but their gaps, if they also have what the last solution has written. */
+typedef enum ct_rows_known { CT_ROWS_UNKNOWN, CT_ROWS_KNOWN, CT_ROWS_WRITTEN } ct_rows_known;
+
+/* Read the rows from `first` to `end` - 1, after those before. */
 void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end,
-                      int known);
+                      ct_rows_known known);
 
 /* Put a row in the place of an earlier one. */
 void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to);

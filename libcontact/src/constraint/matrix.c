@@ -160,8 +160,8 @@ CT_INLINE int fill_again(const ct_solver *s, ct_constraint *const *row, const ct
 /* Fill the groups of a set's rows from row `r` on, and so many that no group is cut; `to` is the
  * next group, which has its places already, and `known` whether the rows are those of the last
  * step. Returns the row behind them. */
-CT_INLINE int64_t fill_rows(const ct_solver *s, int known, int32_t set, int64_t r, ct_group **to,
-                            changes *d)
+CT_INLINE int64_t fill_rows(const ct_solver *s, ct_rows_known known, int32_t set, int64_t r,
+                            ct_group **to, changes *d)
 {
   const int32_t *number = &s->place[s->first_node[set]];
   const int64_t end = s->first[set + 1], some = end - r < ROWS ? end : r + ROWS;
@@ -191,17 +191,14 @@ typedef struct difference {
   ct_quad_bits normal, weight;
 } difference;
 
-/* Compare the rows of a group with its nodes and numbers; `again`: they are the points of a face
- * that it had in the last step, of which only the normals may differ. */
-CT_INLINE void compare(int again, int32_t rows, const ct_group *g, ct_constraint *const *row,
-                       const double *G, difference *d)
+/* Compare the rows of a group with its nodes and numbers. */
+static void compare(const ct_group *g, ct_constraint *const *row, const double *G, difference *d)
 {
   d->some |= (uintptr_t)((g->own ^ 4) | g->other);
-  for (int32_t r = 0; r < rows; r++, G += 8) {
+  for (int32_t r = 0; r < g->rows; r++, G += 8) {
     const ct_constraint *c = row[r];
     for (int i = 0; i < PARTS && i < 3; i++)
       d->normal |= normal_of(c)[i] != ((const ct_quad *)G)[i];
-    if (again) continue;
     d->some |= ((uintptr_t)c->own ^ (uintptr_t)g->nodes) | (uintptr_t)c->other_count;
     for (int i = 0; i < PARTS; i++)
       d->weight |= ((const ct_quad *)c->own_shape)[i] != ((const ct_quad *)(G + 4))[i];
@@ -220,40 +217,48 @@ int ct_matrix_stays(const ct_solver *s)
   return s->kept && s->pieces == NULL && s->groups->other == 0;
 }
 
+/* What the effects tell of all listed rows. */
+static int find_told(const ct_solver *s)
+{
+  int changed = 0, stay = CT_ROWS_STAY;
+  for (int32_t k = 0; k < s->set_count; k++) {
+    if (s->first[k] == s->first[k + 1]) continue;
+    const int told = ct_rows_told(s->rows[s->first[k]]);
+    changed |= told & CT_ROWS_CHANGED, stay &= told;
+  }
+  return changed | stay;
+}
+
 /* Whether the listed rows are those of the last step. The laws of the library's own rows stay. */
-static int are_known(const ct_solver *s)
+static int are_known(const ct_solver *s, int told)
 {
   const int64_t count = s->first[s->set_count];
   return s->kept && count == s->laws.count &&
-         memcmp(s->rows, s->laws.row, (size_t)count * sizeof *s->rows) == 0;
+         ((told & CT_ROWS_STAY) ||
+          memcmp(s->rows, s->laws.row, (size_t)count * sizeof *s->rows) == 0);
 }
 
-/* How much of the rows must be read: all of them, 0; from their gaps on, 1, if they are known; or
- * these alone, 2, if they also have what the last solution has written. */
-static int find_known(const ct_solver *s)
+/* What of the rows must be read. */
+static ct_rows_known find_known(const ct_solver *s, int told)
 {
-  int known = are_known(s);
-  if (!known || !s->written || !s->laws.one_law || s->laws.count == 0 ||
-      !ct_law_has_rows(s->laws.row[0]->enforcement))
-    return known;
-  for (int32_t k = 0; known && k < s->set_count; k++)
-    if (s->first[k] < s->first[k + 1]) known = !isnan(s->rows[s->first[k]]->dashpot);
-  return 1 + known;
+  if (!are_known(s, told)) return CT_ROWS_UNKNOWN;
+  const int written = s->written && s->laws.one_law && s->laws.count > 0 &&
+                      ct_law_has_rows(s->laws.row[0]->enforcement) && !(told & CT_ROWS_CHANGED);
+  return written ? CT_ROWS_WRITTEN : CT_ROWS_KNOWN;
 }
 
 /* Read the rows for their laws as long as they are those of the last step, all at obstacles.
  * Returns whether all are: then G need not be filled. */
-CT_INLINE int keep_rows(ct_solver *s, int known)
+CT_INLINE int keep_rows(ct_solver *s, int told, ct_rows_known known)
 {
   const ct_group *g = s->groups, *end = g + s->group_count;
   const size_t firsts = ((size_t)s->set_count + 1) * sizeof *s->first;
+  const int stay = known && (told & CT_ROWS_STAY);
   if (!ct_matrix_stays(s) || memcmp(s->first, s->first_point, firsts) != 0) return 0;
   for (int64_t first = 0, r = 0; g < end; first = r) {
     difference d = {0};
-    for (; g < end && r < first + ROWS; r += g->rows, g++) {
-      if (known && g->face) compare(1, 4, g, &s->rows[r], &s->G[g->first], &d);
-      else compare(0, g->rows, g, &s->rows[r], &s->G[g->first], &d);
-    }
+    for (; g < end && (stay || r < first + ROWS); r += g->rows, g++)
+      if (!stay) compare(g, &s->rows[r], &s->G[g->first], &d);
     if (!are_equal(&d)) return 0;
     ct_law_rows_read(&s->laws, s->rows, first, r, known);
   }
@@ -292,8 +297,9 @@ CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
   const ct_solver of = *s; // whose members need not be read again after each number that is written
-  const int known = find_known(s);
-  if (keep_rows(s, known)) {
+  const int told = find_told(s);
+  const ct_rows_known known = find_known(s, told);
+  if (keep_rows(s, told, known)) {
     s->kept = 2;
     return;
   }
@@ -360,20 +366,6 @@ void ct_matrix_join(const ct_solver *s, int first, int some, double *sums, doubl
 {
   if (some == 3) join(s, 3, sums + first, joined);
   else join(s, some, sums + first, joined);
-}
-
-/* The same for sums along the one normal n of all rows, which are fourth components; those of
- * `moved` become the motions along it. Fourth components of mobilities are n · A n. */
-CT_CLONES
-static void move_along(int32_t count, const int32_t *place, const double *mobility,
-                       double *restrict sums, double *restrict moved)
-{
-  for (int32_t k = 0; k < count; k++) {
-    const int32_t to = place[k] + 3;
-    // -- n · A n (Gᵀ λ), of which all forces have one direction (eq:constraint-problem)
-    moved[to] = mobility[to] * sums[to];
-    sums[to] = 0.0;
-  }
 }
 
 /* Mobilities of the nodes along the one normal of all rows, as fourth components. */
@@ -537,7 +529,8 @@ static int slide(ct_solver *s, const double *force)
   const int32_t count = s->active_node_count, *place = s->active_nodes;
   if (!add_forces(s, ct_add_along, force, ct_largest(force, s->count), 0)) return 0;
   if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, s->normal, s->sums);
-  move_along(count, place, s->mobility, s->sums, s->moved);
+  // -- n · A n (Gᵀ λ), of which all forces have one direction (eq:constraint-problem)
+  move_active_nodes(count, place, s->mobility, s->sums, s->moved);
   if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, s->normal, s->moved);
   return 1;
 }

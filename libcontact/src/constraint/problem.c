@@ -12,6 +12,7 @@ ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct
     status = list(user, set, solver->rows + solver->first[set], &count, error);
     solver->first[set + 1] = solver->first[set] + count;
   }
+  if (status == CT_OK && solver->first[solver->set_count] == 0) solver->written = 0; // none tells
   return status;
 }
 

@@ -55,8 +55,6 @@ typedef struct ct_group {
 struct ct_tangent;
 struct ct_bodies;
 
-/* Memory to solve for the forces of all constraints of a problem together. Its nodes are those of
- * all effects, each once. */
 /* A layer of elements between two sets, and the time in which a wave crosses it and comes back
  * (eq:release-passed). */
 typedef struct ct_layer {
@@ -64,6 +62,8 @@ typedef struct ct_layer {
   double back;
 } ct_layer;
 
+/* Memory to solve for the forces of all constraints of a problem together. Its nodes are those of
+ * all effects, each once. */
 typedef struct ct_solver {
   ct_pool pool;
   int32_t set_count;

@@ -102,10 +102,12 @@ CT_INLINE int64_t list_points(int alike, int written, ct_contact *contact, const
   return to - rows;
 }
 
-/* The same if all are listed, as they were. */
+/* The same if all are listed, as they were: in this place, unless rows before them have moved them.
+ */
 static int64_t list_all(const ct_side *side, ct_constraint **rows)
 {
   ct_constraint **to = rows;
+  if (side->runs == NULL && *rows == &side->points->row) return side->fixed->point_count;
   for (ct_span run = {0}; ct_side_next(side, &run);)
     for (int64_t i = run.first; i < run.end; i++) *to++ = &side->points[i].row;
   return to - rows;
@@ -119,6 +121,8 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
                    rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
   int64_t count = 0;
+  int told =
+      (contact->changed ? CT_ROWS_CHANGED : 0) | (axis != NULL && !carried ? CT_ROWS_STAY : 0);
   contact->left = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
@@ -133,9 +137,9 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
     else if (alike) count += list_points(1, 0, contact, side, &m, dt, next, own);
     else count += list_points(0, 0, contact, side, &m, dt, next, own);
     for (; carried && own < &rows[count]; own++) row_on_carrier(contact, side, *own);
+    if (!(written && next->all)) told &= ~CT_ROWS_STAY;
   }
-  if (contact->changed && count > 0) rows[0]->dashpot = NAN; // tells the solver
-  contact->changed = 0;
+  if (count > 0) ct_rows_tell(rows[0], told);
   return count;
 }
 
