@@ -276,7 +276,7 @@ FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(ad
   $(addprefix effect/,tie rigid load absorb rotation initial_stress) $(addprefix contact/,traction bound penetration result surfaces) \
   search/inside_out
 NOT_UNROLLED := contact/% gap/% search/% projection/proof projection/robust% effect/viscosity \
-  $(addprefix constraint/,active law law_rows matrix problem release solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_settle)
+  $(addprefix constraint/,active law law_rows losses matrix matrix_fill problem release solve tangent tangent_bound tangent_follow tangent_iterate tangent_lanes tangent_settle)
 FOR_WHEELS = $(if $(findstring -DCT_OWN_RUNTIME,$(CFLAGS)),$(1))
 $(FOR_SIZE:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-Os)
 $(NOT_UNROLLED:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-fno-unroll-loops)

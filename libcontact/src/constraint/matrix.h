@@ -19,6 +19,9 @@ static inline int ct_rows_are_square(ct_constraint *const *row)
  * active ones. The rows of a few faces at a time are read once, for their laws, too. */
 void ct_matrix_fill(ct_solver *solver);
 
+/* Count the rows at each node, and list the nodes with rows; and the groups that are alike. */
+void ct_matrix_count(ct_solver *solver);
+
 /* Whether G may be that of the next step, too: over other faces the weights of a row change. */
 int ct_matrix_stays(const ct_solver *solver);
 
