@@ -194,7 +194,7 @@ void ct_law_dampings(int64_t count, const double *zeta, const double *stiffness,
 
 CT_INLINE double dashpot(const ct_constraint *c, double mobility)
 {
-  // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
+  // -- A point that has just closed does not rebound on its own spring (eq:release-time)
   const double zeta = ct_larger(c->dissipation, ct_law_is_fresh(c) ? 0.5 : 0.0);
   return damping(zeta, c->stiffness, mobility);
 }
