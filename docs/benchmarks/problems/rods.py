@@ -108,7 +108,6 @@ def bounces(cells: int) -> Numbers:
     data = load("bouncing_bar")
     wide = 10 / cells
     data["body"][0]["box"] |= {"size": [wide, wide, 10], "cells": [1, 1, cells]}
-    del data["obstacle"][0]["beta"]
     data["probe"] = [{"name": "floor", "resultant": "obstacle"}]
     data["time"] = {"end": 25.5, "fraction": 0.9}
     run = done(data)
