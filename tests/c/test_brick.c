@@ -1,5 +1,5 @@
-/* Bricks compared with interpolation conditions, finite differences and the geometry of the cube.
- * tests/python/test_projection.py compares the node numbers with VTK itself. */
+/* Bricks compared with interpolation conditions and the geometry of the cube; with VTK's node
+ * numbers by tests/python/test_projection.py, and gradients by test_equations_faces.py. */
 #include "../../libcontact/src/shape/shape.h"
 
 #include "uniform.h"
@@ -35,26 +35,6 @@ static void interpolation_conditions(ct_brick_kind kind)
   tap_close(delta, 0, 0, "%s: N_i is 1 at node i and 0 at the others", NAME[kind]);
   tap_close(unity, 0, 2e-15, "%s: the N_i add up to 1", NAME[kind]);
   tap_close(linear, 0, 2e-15, "%s: the N_i reproduce the coordinates", NAME[kind]);
-}
-
-/* Along one axis the N_i are at most quadratic: central differences with a step of 1/2 have no
- * truncation error. */
-static void derivatives(ct_brick_kind kind)
-{
-  double error = 0;
-  for (int p = 0; p < 4; p++) {
-    double dN[20][3];
-    ct_brick_gradient(kind, PROBE[p], dN);
-    for (int a = 0; a < 3; a++) {
-      double up[3], down[3], N1[20], N0[20];
-      for (int b = 0; b < 3; b++)
-        up[b] = PROBE[p][b] + 0.5 * (a == b), down[b] = PROBE[p][b] - 0.5 * (a == b);
-      ct_brick_shape(kind, up, N1);
-      ct_brick_shape(kind, down, N0);
-      for (int i = 0; i < 20; i++) error = worst(error, N1[i] - N0[i] - dN[i][a]);
-    }
-  }
-  tap_close(error, 0, 4e-15, "%s: derivatives against differences", NAME[kind]);
 }
 
 /* The face's own interpolation of the brick's nodes runs over the right side, with its normal
@@ -165,7 +145,6 @@ int main(void)
     }
     row((ct_brick_kind)kind);
     interpolation_conditions((ct_brick_kind)kind);
-    derivatives((ct_brick_kind)kind);
     sides((ct_brick_kind)kind);
     mirrored_sides((ct_brick_kind)kind);
   }

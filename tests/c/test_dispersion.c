@@ -1,5 +1,5 @@
-/* Waves of a mesh against closed forms, against the equations of motion written by hand, against
- * finite differences, and the front of a step against runs. */
+/* Waves of a mesh against the equations of motion written by hand and against finite differences,
+ * and the front of a step against runs. */
 #include "bodies.h"
 
 static const double PI = 3.14159265358979323846;
@@ -25,38 +25,6 @@ static double c_of(const ct_material *material, int wave)
   double c[2];
   ct_material_speeds(material, &c[0], &c[1]);
   return c[wave];
-}
-
-/* A row of masses and springs (eq:dispersion-axis), with both masses and with leapfrog steps
- * (eq:dispersion-leapfrog, eq:dispersion-axis-group). */
-static void closed_form_on_the_axis(void)
-{
-  double off[2] = {0.0}, off_step = 0.0, off_group = 0.0;
-  for (int mass = 0; mass < 2; mass++)
-    for (int axis = 0; axis < 3; axis++)
-      for (int i = 1; i <= 64; i++) {
-        ct_dispersion_def def = waves_of(CT_HEX8, (ct_mass_form)mass);
-        ct_branch b[BRANCHES];
-        double h = 0.7 + axis, k[3] = {0.0}, q = PI * i / 64;
-        def.size[0] = 0.7, def.size[1] = 1.7, def.size[2] = 2.7;
-        k[axis] = q / h;
-        branches_at(&def, k, b);
-        double want = 2.0 / h * sin(0.5 * q) / (mass ? sqrt((2.0 + cos(q)) / 3.0) : 1.0);
-        for (int w = 0; w < 3; w++)
-          off[mass] = worst(off[mass], b[w].omega_mesh / (c_of(&STEEL, w < 2) * want) - 1.0);
-        if (mass) continue;
-        // The leapfrog at Courant 0.8, and the group velocity of both (eq:dispersion-axis-group).
-        const double c1 = c_of(&STEEL, 0), dt = def.step = 0.8 * h / c1, s = 0.8 * sin(0.5 * q);
-        branches_at(&def, k, b);
-        off_step = worst(off_step, b[2].omega * dt / (2.0 * asin(s)) - 1.0);
-        off_step = worst(off_step, b[2].decay * dt);
-        off_group = worst(off_group, b[2].group[axis] / c1 - cos(0.5 * q) / sqrt(1.0 - s * s));
-      }
-  // Round-off of some hundred products.
-  tap_close(off[0], 0.0, 1e-12, "hex8 with lumped mass along an axis, P and S");
-  tap_close(off[1], 0.0, 1e-12, "hex8 with consistent mass along an axis, P and S");
-  tap_close(off_step, 0.0, 1e-12, "the leapfrog's frequency, and no damping");
-  tap_close(off_group, 0.0, 1e-12, "group velocity of both");
 }
 
 /* Forces on the nodes in the middle of a patch of 2 x 2 x 2 bricks that moves as a wave, by the
@@ -335,7 +303,6 @@ static void refusals(void)
 int main(void)
 {
   free_at_end();
-  closed_form_on_the_axis();
   waves_solve_the_mesh();
   group_is_the_derivative();
   symmetric();

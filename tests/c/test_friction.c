@@ -1,5 +1,5 @@
 /* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
- * restarts, the bound on the step. */
+ * the bound on the step. */
 #include "../../libcontact/src/constraint/tangent_iterate.c"
 #include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
@@ -17,7 +17,7 @@ typedef struct incline {
 } incline;
 
 static incline new_incline(ct_brick_kind kind, const double g[3], double mu, double rho,
-                           double beta, double vx, double pull, double period, int threads)
+                           double beta, double vx, double pull, double period)
 {
   incline t = {.slab = box_mesh(kind, -1, -1, -0.5, 6, 3, 0.5, 13, 4, 1), .friction = 2};
   double sink = -g[2] / (beta * SOFT.young / (kind == CT_HEX8 ? 1.0 / 3.0 : 0.4)) * 0.4;
@@ -32,7 +32,6 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
                                .damping = pull > 0.0 ? 10.0 : 0.0,
                                .pull = pull,
                                .period = period});
-  set_threads(t.scene, threads);
   t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4}, NULL, &t.stable);
   t.state = new_state(t.problem);
   return t;
@@ -67,7 +66,7 @@ static double sole(const incline *t, int c)
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
-  incline t = new_incline(kind, g, 0.6, rho, beta, 0.0, 0.6, 3.0, 1);
+  incline t = new_incline(kind, g, 0.6, rho, beta, 0.0, 0.6, 3.0);
   double slip = 0.0, overlap = 0.0, held, lost, most = 0.0;
   while (t.state->time < 3.0) {
     advance(t.problem, t.state, 20);
@@ -90,7 +89,7 @@ static void sticks(ct_brick_kind kind, const char *name)
 static void slides(ct_brick_kind kind, double tolerance, const char *name)
 {
   const double mu = 0.3, g[3] = {6.0, 0.0, -8.0}; // tan a = 0.75
-  incline t = new_incline(kind, g, mu, 1.0, 1.0, 1.0, 0.0, 0.0, 1);
+  incline t = new_incline(kind, g, mu, 1.0, 1.0, 1.0, 0.0, 0.0);
   double ratio = 0.0, normal[3], rub[3];
   while (t.state->time < 0.02) advance(t.problem, t.state, 1);
   ct_momentum from = momentum_of(t.problem, t.state, 1);
@@ -124,7 +123,7 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
 static void ledger(void)
 {
   const double g[3] = {0.0, 0.0, -10.0};
-  incline t = new_incline(CT_HEX8, g, 0.4, 1.0, 1.0, 2.0, 0.0, 0.0, 1);
+  incline t = new_incline(CT_HEX8, g, 0.4, 1.0, 1.0, 2.0, 0.0, 0.0);
   double start = energy_of(t.problem, t.state).kinetic, balance = 0.0, held, lost, work,
          share = 0.0, before = 0.0;
   int falls = 0;
@@ -262,27 +261,6 @@ static void step_of_friction(void)
          smooth.problem->dt);
 }
 
-/* A restart in the middle of a slide, and two threads, give the same bits. */
-static void same_bits(void)
-{
-  const double g[3] = {6.0, 1.0, -8.0};
-  incline t = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 1),
-          two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
-  ct_state *other = new_state(t.problem);
-  advance(t.problem, t.state, 150);
-  must(ct_state_copy, t.problem, t.state, other);
-  advance(t.problem, t.state, 150);
-  advance(t.problem, other, 150);
-  advance(two.problem, two.state, 300);
-  size_t bytes = 3 * (size_t)t.problem->node_count * sizeof(double);
-  tap_ok(memcmp(t.state->velocity, other->velocity, bytes) == 0 &&
-             memcmp(t.state->memory, other->memory, (size_t)other->memory_count * sizeof(double)) ==
-                 0,
-         "a restart continues with the same bits");
-  tap_ok(memcmp(t.state->velocity, two.state->velocity, bytes) == 0,
-         "two threads give the same bits");
-}
-
 static void refusals(void)
 {
   pressed t = new_pressed(0.5, 0.0, -1, CT_ENFORCE_PENALTY);
@@ -366,7 +344,6 @@ int main(void)
   mirrored(CT_ENFORCE_ENERGY_CONTROLLED, CT_POINTS_LOBATTO);
   mirrored(CT_ENFORCE_PENALTY, CT_POINTS_GAUSS);
   step_of_friction();
-  same_bits();
   refusals();
   return tap_done();
 }

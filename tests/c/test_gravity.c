@@ -9,47 +9,6 @@ static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity,
   return build_until(scene, end, 0.5);
 }
 
-/* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion
- * is constant (eq:gravity-force, eq:gravity-potential). */
-static void free_fall(void)
-{
-  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);
-  ct_scene *scene = new_scene_with("one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
-  add_body(scene, "two", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
-  static const int32_t second = 1;
-  ct_gravity_def gravity = {COOKIE, .acceleration = {1.0, 0.0, -10.0}, .bodies = &second,
-                            .body_count = 1};
-  const ct_problem *problem = falling(scene, &gravity, 1.0);
-  ct_energy start, now;
-  ct_state *state = new_state(problem);
-  start = energy_of(problem, state);
-  double total = 0.0, balance = 0.0;
-  while (state->time < 0.999) {
-    advance(problem, state, 1);
-    now = energy_of(problem, state);
-    total = worst(total, now.total - start.total), balance = worst(balance, now.balance);
-  }
-  double t = state->time, first = 0.0, other = 0.0;
-  int32_t half = problem->node_count / 2;
-  for (int32_t n = 0; n < half; n++) {
-    first = worst(first, state->displacement[3 * n + 2] - 5 * t),
-    first = worst(first, state->displacement[3 * n]);
-    const double *u = &state->displacement[3 * (half + n)];
-    other = worst(other, u[2] - (5 * t - 5 * t * t)), other = worst(other, u[0] - 0.5 * t * t),
-    other = worst(other, u[1]);
-  }
-  tap_close(other, 0.0, 1e-12, "a body falls v t + g t^2 / 2 (t = %g)", t);
-  tap_close(first, 0.0, 1e-13, "a body that is not listed is not accelerated");
-  tap_close(total / start.total, 0.0, 1e-12, "kinetic energy and weight together are constant");
-  tap_close(balance / start.total, 0.0, 1e-13, "the work balance closes");
-  double force[3 * 200], sum = 0.0, mass = 0.0;
-  tap_ok(3 * problem->node_count <= 600, "memory for the forces");
-  must(ct_state_force, problem, state, 1, force);
-  for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
-  for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];
-  tap_close(sum / (-10.0 * mass), 1.0, 1e-13, "the resultant is the weight");
-}
-
 /* Gravity and damping on the first and the last of three bodies, whose nodes begin and end within
  * the pieces that the time loop moves: forces node by node, and work and impulse summed by hand.
  * (eq:gravity-force, eq:damping-force, eq:work-sum, eq:impulse-balance) */
@@ -172,7 +131,6 @@ static void refusals(void)
 int main(void)
 {
   free_at_end();
-  free_fall();
   rows_of_nodes();
   growing();
   refusals();

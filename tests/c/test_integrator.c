@@ -125,22 +125,6 @@ static void limits(void)
             "Noh and Bathe, p = 0.54: the limit of their paper");
 }
 
-/* Where two roots meet the damping is strongest; there the radius has a closed form. */
-static void bifurcations(void)
-{
-  for (int k = 0; k <= 10; k++) {
-    double rho = 0.1 * k;
-    tap_close(radius(&(ct_integrator){CT_TCHAMWA_WIELGOSZ, rho}, (1.0 + rho) * (1.0 + rho), 0.0),
-              rho, 1e-5, "Tchamwa and Wielgosz: radius at Omega = 1 + rho");
-  }
-  ct_integrator chung = ct_integrator_default(CT_CHUNG_LEE);
-  tap_close(radius(&chung, 27.0 / 8.0, 0.0), 0.5, 3e-3,
-            "Chung and Lee, beta = 28/27: three roots of 1/2 at Omega^2 = 27/8");
-  double p = 0.585786437626905, q = 1.0 - p;
-  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-6,
-            "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
-}
-
 /* With damping: any symmetric K and C, commuting or not, at the bound that is reported
  * (eq:integrator-damped-bound). */
 static void damped_bounds(void)
@@ -575,7 +559,6 @@ int main(void)
 {
   free_at_end();
   limits();
-  bifurcations();
   damped_bounds();
   rows();
   for (int s = 1; s < SCHEMES; s++) {

@@ -118,34 +118,6 @@ static void bound_of_a_cube(void)
   tap_close(bound / (8.0 * 3.0 * 2.0 / (1.0 * 0.25)), 1.0, 1e-11, "one face of a cube: the bound");
 }
 
-/* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and
- * the end moves with traction / (rho c). */
-static void step_load(void)
-{
-  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.1, 0.1, 100, 1, 1);
-  ct_scene *scene = new_scene_with("bar", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  int32_t *faces = integers(8 * 6 * mesh->element_count),
-          count = ct_mesh_plane_faces(mesh, 0, 10.0, faces, NULL);
-  double c = 30.0, end = 6.0 / c;
-  loaded l =
-      load_faces(scene, (ct_load_def){COOKIE, .traction = {3.0, 0.0, 0.0}}, faces, count, end, 0.9);
-  ct_state *state = new_state(l.problem);
-  ct_energy start = energy_of(l.problem, state);
-  advance(l.problem, state, l.steps);
-  int32_t last = l.problem->node_count - 1;
-  double exact = 3.0 / c * end, *stress = numbers(6 * (int64_t)mesh->element_count), mean = 0.0;
-  must(ct_solid_stress, mesh, &BAR, state->displacement, stress);
-  for (int i = 55; i < 95; i++) mean += stress[6 * i] / 40.0;
-  tap_close(state->displacement[3 * last] / exact, 1.0, 5e-3,
-            "the loaded end has moved traction / (rho c) t");
-  tap_close(mean / 3.0, 1.0, 5e-3, "behind the front the stress is the traction");
-  tap_ok(fabs(stress[6 * 20]) < 1e-12, "ahead of it the stress is 0 (%g)", stress[6 * 20]);
-  ct_energy now = energy_of(l.problem, state);
-  tap_close(now.balance / now.kinetic, 0.0, 1e-12, "the work balance closes");
-  tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12,
-            "the energy of the bar is the work of the load");
-}
-
 static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -177,7 +149,6 @@ int main(void)
   closed_surface(CT_HEX8, "Q4");
   closed_surface(CT_HEX20, "Q8");
   bound_of_a_cube();
-  step_load();
   refusals();
   return tap_done();
 }

@@ -1,5 +1,5 @@
-/* Shape functions of the faces against interpolation conditions, finite differences, closed-form
- * surfaces and mirrored faces. */
+/* Shape functions of the faces against interpolation conditions, closed-form surfaces and mirrored
+ * faces. */
 #include "../../libcontact/src/shape/shape.h"
 
 #include "faces.h"
@@ -35,28 +35,6 @@ static void interpolation_conditions(ct_face_kind kind)
   tap_close(unity, 0, 1e-15, "%s: the N_i add up to 1", FACE_NAME[kind]);
   tap_close(slope, 0, 1e-15, "%s: their slopes add up to 0", FACE_NAME[kind]);
   tap_ok(padding == 0, "%s: entries beyond the nodes are 0", FACE_NAME[kind]);
-}
-
-/* Central differences have no truncation error here: along one axis the N_i are at most quadratic,
- * so any step will do and 1/2 is exact. These derivatives make the tangents (eq:segment-tangents).
- */
-static void derivatives(ct_face_kind kind)
-{
-  const double h = 0.5;
-  double first = 0;
-  for (int p = 0; p < 5; p++) {
-    double dN[8][2];
-    ct_segment_gradient(kind, PROBE[p], dN);
-    for (int a = 0; a < 2; a++) {
-      double up[2] = {PROBE[p][0], PROBE[p][1]}, down[2] = {PROBE[p][0], PROBE[p][1]}, N1[8], N0[8];
-      up[a] += h;
-      down[a] -= h;
-      ct_segment_shape(kind, up, N1);
-      ct_segment_shape(kind, down, N0);
-      for (int i = 0; i < 8; i++) first = worst(first, (N1[i] - N0[i]) / (2 * h) - dN[i][a]);
-    }
-  }
-  tap_close(first, 0, 4e-15, "%s: first derivatives against differences", FACE_NAME[kind]);
 }
 
 /* A surface that the kind can represent, z = polynomial over a sheared base, with its tangents by
@@ -161,7 +139,6 @@ int main(void)
 {
   for (int kind = 0; kind < 4; kind++) {
     interpolation_conditions((ct_face_kind)kind);
-    derivatives((ct_face_kind)kind);
     closed_form_surface((ct_face_kind)kind);
     mirrored_bits((ct_face_kind)kind);
   }

@@ -1,5 +1,5 @@
-/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, a
- * chain of springs and dashpots, the bound. */
+/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, the
+ * bound. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -187,123 +187,6 @@ static void bound(void)
   }
 }
 
-enum { CELLS = 200 };
-
-/* A rod of CELLS cubes of edge 1, fixed on its sides, that hits a fixed end at speed `v0`; stresses
- * at time `end`, and the work of the viscosity. */
-static double rod(double linear, double quadratic, double courant, double v0, double end,
-                  double stress[CELLS], double *balance, double *dt)
-{
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, CELLS, 1, 1, CELLS, 1, 1);
-  ct_scene *scene = new_scene_with("rod", m, &ROD, CT_KERNEL_AUTO, -v0, 0, 0);
-  add_support(scene, 0, m, 0, 0.0, "x", 0.0);
-  add_support(scene, 0, m, -1, 0.0, "yz", 0.0);
-  const ct_problem *joined, *p;
-  ct_effect *effect = NULL;
-  ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
-  if (linear + quadratic > 0.0) {
-    must(ct_scene_join, scene, &joined);
-    must(ct_viscosity_create_effect, &options, joined, &effect);
-    must(ct_scene_add_effect, scene, effect);
-  }
-  int64_t steps;
-  p = build(scene, (ct_scene_time){.end = end, .courant = courant}, &steps, NULL);
-  ct_state *state = new_state(p);
-  advance(p, state, steps);
-  double work = 0.0;
-  if (effect != NULL) must(ct_energy_work, p, state, 1, &work);
-  *balance = energy_of(p, state).balance / energy_of(p, state).kinetic;
-  *dt = p->dt;
-  double *sigma = numbers(6 * CELLS);
-  must(ct_solid_stress, m, &ROD, state->displacement, sigma);
-  for (int i = 0; i < CELLS; i++) stress[i] = sigma[6 * i];
-  return work;
-}
-
-/* The same rod as a chain of masses: forces of its springs of stiffness 1 and of the viscous
- * pressure. */
-static void chain_force(double linear, double quadratic, const double u[CELLS + 1],
-                        const double v[CELLS + 1], double f[CELLS + 1], double viscous[CELLS + 1])
-{
-  for (int i = 0; i <= CELLS; i++) f[i] = viscous[i] = 0.0;
-  for (int i = 0; i < CELLS; i++) {
-    double q = pressure(linear, quadratic, 1.0, fmax(v[i] - v[i + 1], 0.0)), s = u[i + 1] - u[i];
-    f[i] += s;
-    f[i + 1] -= s;
-    viscous[i] -= q;
-    viscous[i + 1] += q;
-  }
-}
-
-/* Its leapfrog, written here: stresses at the end, and the work of the viscosity. */
-static double chain(double linear, double quadratic, double dt, double v0, double end,
-                    double stress[CELLS])
-{
-  double u[CELLS + 1] = {0}, v[CELLS + 1], f[CELLS + 1], viscous[CELLS + 1], work = 0.0;
-  int steps = (int)floor(end / dt + 0.5);
-  for (int i = 0; i <= CELLS; i++) v[i] = i == 0 ? 0.0 : -v0;
-  chain_force(linear, quadratic, u, v, f, viscous);
-  for (int i = 1; i <= CELLS; i++)
-    v[i] -= 0.5 * dt * (f[i] + viscous[i]) / (i == CELLS ? 0.5 : 1.0);
-  for (int n = 0; n < steps; n++) {
-    chain_force(linear, quadratic, u, v, f, viscous);
-    for (int i = 1; i <= CELLS; i++) {
-      double before = v[i];
-      v[i] += dt * (f[i] + viscous[i]) / (i == CELLS ? 0.5 : 1.0);
-      work += 0.5 * dt * viscous[i] * ((n == 0 ? 0.0 : before) + v[i]);
-      u[i] += dt * v[i];
-    }
-  }
-  chain_force(linear, quadratic, u, v, f, viscous);
-  for (int i = 1; i <= CELLS; i++) work += 0.5 * dt * viscous[i] * v[i];
-  for (int i = 0; i < CELLS; i++) stress[i] = u[i + 1] - u[i];
-  return work;
-}
-
-/* Behind the front the exact stress is -v0 (ρ c = 1); the overshoot, and the distance from 90 % to
- * 10 % of it. */
-static void shock(double linear, double quadratic, double v0, double *overshoot, double *width)
-{
-  static double stress[CELLS], other[CELLS];
-  double balance, dt, lowest = 0.0, x90 = 0.0, x10 = 0.0, end = 120.0;
-  double work = rod(linear, quadratic, 0.2, v0, end, stress, &balance, &dt),
-         same = chain(linear, quadratic, dt, v0, end, other);
-  tap_ok(largest_difference(stress, other, CELLS) < 1e-13 * v0,
-         "Q1 = %g, Q2 = %g, v0 = %g: the rod is the chain of springs and dashpots, off by %.2g",
-         linear, quadratic, v0, largest_difference(stress, other, CELLS) / v0);
-  tap_close(work, same, 1e-11 * v0 * v0, "and its viscosity does the same work");
-  for (int i = 0; i < CELLS; i++) lowest = fmin(lowest, stress[i]);
-  for (int i = 1; i < CELLS; i++) {
-    if (stress[i - 1] < -0.9 * v0 && stress[i] >= -0.9 * v0)
-      x90 = i - 0.5 + (stress[i - 1] + 0.9 * v0) / (stress[i - 1] - stress[i]);
-    if (stress[i - 1] < -0.1 * v0 && stress[i] >= -0.1 * v0)
-      x10 = i - 0.5 + (stress[i - 1] + 0.1 * v0) / (stress[i - 1] - stress[i]);
-  }
-  *overshoot = -lowest / v0 - 1.0;
-  *width = x10 - x90;
-  tap_ok(fabs(balance) < 1e-12, "the work balance closes to %.2g", balance);
-}
-
-static void shocks(void)
-{
-  static const double table[][3] = {{0, 0, 0.05},   {0.06, 0, 0.05}, {0.06, 1.2, 0.05},
-                                    {0.2, 0, 0.05}, {0.5, 0, 0.05},  {0, 1.2, 0.05},
-                                    {0, 2, 0.05},   {0, 1.2, 0.0005}};
-  double overshoot[8], width[8];
-  for (int k = 0; k < 8; k++) {
-    shock(table[k][0], table[k][1], table[k][2], &overshoot[k], &width[k]);
-    printf("# Q1 = %4g  Q2 = %3g  v0 = %6g c: overshoot %5.1f %%, width %.1f elements\n",
-           table[k][0], table[k][1], table[k][2], 100 * overshoot[k], width[k]);
-  }
-  tap_ok(overshoot[0] > overshoot[1] && overshoot[1] > overshoot[3] &&
-             overshoot[3] > overshoot[4] && width[4] > width[3] && width[3] > width[0],
-         "more linear viscosity: less overshoot, a wider front");
-  tap_ok(overshoot[6] < overshoot[5] && overshoot[5] < overshoot[0],
-         "likewise for the quadratic part, if the speed is not small");
-  tap_close(overshoot[7], overshoot[0], 0.02 * overshoot[0],
-            "which has no effect at a thousandth of the speed of sound");
-}
-
 /* At the whole stable step a hard impact stays bounded: viscosity removes energy and never adds
  * any. */
 static void stability(void)
@@ -386,7 +269,6 @@ int main(void)
   uniform_compression();
   kernel();
   bound();
-  shocks();
   stability();
   refusals();
   return tap_done();

@@ -305,11 +305,11 @@ def test_transfer_function_of_the_filter(passes):
     q = stable_step(model) ** 2  # c1 = h = 1
     for mode in (1, 3, 6):
         k = np.pi * mode / n
-        rows = model.problem.rows(model.state.displacement)
-        rows[:] = 0
-        rows[:, 0] = np.cos(k * x)
-        out = np.zeros_like(rows)
-        cast = ffi.cast("double *", out.ctypes.data)
-        assert lib.ct_filter_apply(filtered[0], model.state, cast, ffi.NULL, error) == lib.CT_OK
-        close(out[:, 0], (1 - q * np.sin(k / 2) ** 2) ** passes * np.cos(k * x), 1e-11)
+        u, v = map(model.problem.rows, (model.state.displacement, model.state.velocity))
+        u[:, 0], v[:, 0] = np.cos(k * x), 2 * np.cos(k * x)
+        out = np.zeros((2, len(x), 3))
+        casts = [ffi.cast("double *", each.ctypes.data) for each in out]
+        assert lib.ct_filter_apply(filtered[0], model.state, *casts, error) == lib.CT_OK
+        factor = (1 - q * np.sin(k / 2) ** 2) ** passes
+        close(out[:, :, 0], [factor * u[:, 0], factor * v[:, 0]], 1e-11)
     lib.ct_filter_free(filtered[0])

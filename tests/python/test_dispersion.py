@@ -1,5 +1,5 @@
-"""Waves of a mesh: compared with meshes that numpy assembles and with runs of scenes; and the arrays of the Python
-interface."""
+"""Waves of a mesh: compared with meshes that numpy assembles, and with the row of the chapter; and the arrays of the
+Python interface."""
 
 import contextlib
 import importlib.util
@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -131,48 +130,6 @@ def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
     phase = ct.dispersion(k[:, None] * n, "hex20", poisson=poisson).phase[:, branch]
     first, second = (1 - phase / np.sqrt(c2)) / k**2
     assert (4 * first - second) / 3 == pytest.approx(wanted, rel=1e-4)
-
-
-# -- Runs ------------------------------------------------------------------------------------------
-
-
-def column(element, integrator, courant, steps):
-    """Stress of a row of cubes that hits a wall, c₁ = ρ = v₀ = 1."""
-    nu, cells = 0.3, 80
-    scene = ct.Scene(title="column", units=METRES)
-    young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
-    scene.add_material("elastic", young=young, poisson=nu, density=1.0)
-    box = box_of([0, 0, 0], [cells, 1, 1], [cells, 1, 1])
-    scene.add_body("row", material="elastic", element=element, box=box, velocity=[-1, 0, 0])
-    scene.add_support("row.x_min", fix="x")
-    for face in ("y_min", "y_max", "z_min", "z_max"):
-        scene.add_support(f"row.{face}", fix=face[0])
-    scene.set_time(end=steps * courant, courant=courant, integrator=integrator)
-    stress = scene.run(output=False).state["row"].stress[:, 0]
-    return ct.Front(np.arange(60) + 0.5, -stress[:60])
-
-
-@pytest.mark.parametrize(
-    "element, integrator, courant, steps",
-    [
-        ("hex8", "central_difference", 0.125, 400),
-        ("hex8", "noh_bathe", 1.25, 40),
-        ("hex20", "tchamwa_wielgosz", 0.2, 200),
-    ],
-)
-def test_front_of_a_run(element, integrator, courant, steps):
-    computed = column(element, integrator, courant, steps)
-    predicted = ct.dispersion_front(
-        steps * courant,
-        distance=computed.distance,
-        element=element,
-        integrator=integrator,
-        courant=courant,
-    )
-    assert predicted.half_height == pytest.approx(computed.half_height, abs=1e-6)
-    assert predicted.overshoot == pytest.approx(computed.overshoot, abs=1e-6)
-    assert computed.overshoot > 0.1
-    assert np.allclose(predicted.stress, computed.stress, rtol=0, atol=1e-6)
 
 
 # -- The row of masses of the chapter --------------------------------------------------------------

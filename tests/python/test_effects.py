@@ -19,6 +19,7 @@ def bar(cells=100, length=10.0, width=0.1, **body):
 
 
 def test_a_thrown_body_rises_and_falls_and_the_ledger_has_its_weight():
+    """(eq:gravity-force, eq:gravity-potential)"""
     scene = (
         bar(velocity=[0, 0, 5])
         .add("gravity", acceleration=[0, 0, -10])
