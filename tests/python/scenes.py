@@ -1,4 +1,4 @@
-"""What the scenes of many tests consist of, and the names of their energies."""
+"""What the scenes of many tests consist of, the names of their energies, and whether runs have the same bits."""
 
 import libcontact as ct
 
@@ -19,3 +19,20 @@ def box_of(origin, size, cells):
 def scene_with(name, units=METRES, title=None, **entries):
     """A scene with a material, to which the rest is added."""
     return ct.Scene(title=title, units=units).add_material(name, **entries)
+
+
+def same_state(one, other):
+    """Whether two runs end at the same time with the same bits."""
+    fields = ("displacement", "velocity", "stress")
+    return (one.state.step, one.state.time) == (other.state.step, other.state.time) and all(
+        getattr(one.state[name], field).tobytes() == getattr(other.state[name], field).tobytes()
+        for name in one.state
+        for field in fields
+    )
+
+
+def continued(scene, folder, until):
+    """The run of a scene that is stopped, and continued from its file."""
+    half, rest = folder / "half.vtkhdf", folder / "rest.vtkhdf"
+    scene.run(output=half, until=until)
+    return scene.run(restart=half, output=rest)

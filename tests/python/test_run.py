@@ -16,7 +16,7 @@ from libcontact.model import Material
 from libcontact.run import Run, RunError
 from libcontact.schema import SceneError
 from libcontact.state import BodyState, State
-from scenes import ENERGY, MILLIMETRES, box_of, scene_with
+from scenes import ENERGY, MILLIMETRES, box_of, same_state, scene_with
 
 import libcontact as ct
 from libcontact import loop
@@ -69,15 +69,6 @@ def bar(velocity=(-1000, 0, 0), supports=True, every=10):
             "output": {"every": every},
         }
     )
-
-
-def same_state(a, b):
-    for name in a.state:
-        for field in ("displacement", "velocity", "stress"):
-            x, y = getattr(a.state[name], field), getattr(b.state[name], field)
-            if x.tobytes() != y.tobytes():
-                return False
-    return a.state.step == b.state.step and a.state.time == b.state.time
 
 
 # Closed forms.

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import box_of, scene_with
+from scenes import box_of, continued, same_state, scene_with
 
 import libcontact as ct
 
@@ -47,17 +47,11 @@ def moving(end, threads=1, order=1):
 def test_threads_a_restart_and_exchanged_surfaces_have_the_same_bits(tmp_path):
     whole = moving(0.5).run(output=tmp_path / "whole.vtkhdf")
     others = [moving(0.5, threads=2).run(), moving(0.5, order=-1).run()]
-    half = tmp_path / "half.vtkhdf"
-    moving(0.25).run(output=half)
-    others += [moving(0.5).run(restart=half, output=tmp_path / "rest.vtkhdf")]
+    others += [continued(moving(0.5), tmp_path, 0.25)]
     assert np.abs(whole.state["b"].velocity).max() > 1e-5
     assert whole.energy["tie"][-1] > 0.0
     np.testing.assert_allclose(whole.energy["balance"] / whole.energy["kinetic"][-1], 0, atol=1e-12)
-    for other in others:
-        for name in "ab":
-            for field in ("displacement", "velocity"):
-                one, two = (getattr(run.state[name], field) for run in (whole, other))
-                assert np.array_equal(one, two)
+    assert all(same_state(whole, other) for other in others)
 
 
 def test_a_rigid_body_is_glued_to_one_that_deforms():
