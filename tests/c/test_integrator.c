@@ -1,5 +1,5 @@
-/* Integrators compared with the algorithms of their authors, closed forms of their amplification;
- * orders, energy balances, and equal bits. */
+/* Integrators compared with the algorithms of their authors; amplification, orders, and energy
+ * balances. */
 #include "../../libcontact/src/base/amplitude.h"
 #include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
@@ -328,8 +328,7 @@ typedef struct meeting {
   ct_problem own;
 } meeting;
 
-static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double friction,
-                    int threads)
+static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double friction)
 {
   meeting c = {new_scene(), {0}};
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3),
@@ -350,7 +349,6 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   must(ct_scene_join, c.scene, &joined);
   must(create_motion, &motion, 1, joined, &effect);
   must(ct_scene_add_effect, c.scene, effect);
-  set_threads(c.scene, threads);
   c.own = *build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = integrator},
                  NULL, NULL);
   return c;
@@ -360,7 +358,7 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
  * eq:motion-velocity, eq:motion-force). */
 static void ledger(ct_scheme scheme, ct_enforcement enforcement)
 {
-  meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3, 1);
+  meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3);
   ct_problem *p = &c.own;
   ct_state *state = new_state(p);
   ct_momentum first[2] = {momentum_of(p, state, 0), momentum_of(p, state, 1)};
@@ -397,38 +395,11 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
   free_state(state);
 }
 
-static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
-{
-  meeting c = meet(integrator, enforcement, 0.3, 1), d = meet(integrator, enforcement, 0.3, 2);
-  ct_state *straight = new_state(&c.own), *copied = new_state(&c.own), *threads = new_state(&d.own);
-  int same = 1;
-  for (int n = 0; n < 60; n++) {
-    advance(&c.own, straight, 1);
-    advance(&d.own, threads, 1);
-    // A new state each time: nothing but what a restart carries survives.
-    ct_state *next = new_state(&c.own);
-    must(ct_state_copy, &c.own, copied, next);
-    free_state(copied);
-    copied = next;
-    if (n % 3 == 0) energy_of(&c.own, copied);
-    advance(&c.own, copied, 1);
-    same &= same_state(straight, copied);
-  }
-  tap_ok(same, "%s, %s: restarted after every step, the same bits", SCHEME(integrator.scheme),
-         ENFORCEMENT[enforcement]);
-  tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads",
-         SCHEME(integrator.scheme), ENFORCEMENT[enforcement]);
-  free_state(straight);
-  free_state(copied);
-  close_run(threads, c.scene, NULL);
-}
-
 /* β = 1 and ρ∞ = 1 are the central difference method. */
 static void is_central(ct_integrator integrator)
 {
-  meeting c = meet(integrator, CT_ENFORCE_ENERGY_CONTROLLED, 0.3, 1),
-          d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED, 0.3,
-                   1);
+  meeting c = meet(integrator, CT_ENFORCE_ENERGY_CONTROLLED, 0.3),
+          d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED, 0.3);
   ct_state *x = new_state(&c.own), *y = new_state(&d.own);
   advance(&c.own, x, 80);
   advance(&d.own, y, 80);
@@ -497,7 +468,7 @@ static void refusals(void)
   tap_ok(ct_integrator_facts((ct_scheme)7) == NULL && ct_integrator_limit(&bad[0]) == 2.0 &&
              ct_integrator_limit(&bad[1]) == 2.0,
          "an unknown scheme reads nothing behind the table");
-  meeting c = meet(ct_integrator_default(CT_NOH_BATHE), CT_ENFORCE_PENALTY, 0.0, 1);
+  meeting c = meet(ct_integrator_default(CT_NOH_BATHE), CT_ENFORCE_PENALTY, 0.0);
   ct_problem other = c.own;
   ct_state *state = NULL;
   other.integrator.parameter = 2.0;
@@ -573,10 +544,7 @@ int main(void)
     for (int k = 0; k < 2; k++) pressed_start((ct_scheme)s, k ? 1e4 : 2.0);
   for (int s = 0; s < SCHEMES; s++) order_of((ct_scheme)s);
   for (int s = 0; s < SCHEMES; s++)
-    for (int e = 0; e < ENFORCEMENTS; e++) {
-      ledger((ct_scheme)s, (ct_enforcement)e);
-      equal_bits(ct_integrator_default((ct_scheme)s), (ct_enforcement)e);
-    }
+    for (int e = 0; e < ENFORCEMENTS; e++) ledger((ct_scheme)s, (ct_enforcement)e);
   is_central((ct_integrator){CT_CHUNG_LEE, 1.0});
   is_central((ct_integrator){CT_TCHAMWA_WIELGOSZ, 1.0});
   bar_on_wall(CT_CENTRAL_DIFFERENCE, 0.15, 0.2);

@@ -196,83 +196,6 @@ static void mirrored(void)
   }
 }
 
-/* Two plates that collide; `push` acts on one layer only. */
-typedef struct plates {
-  ct_scene *scene;
-  const ct_problem *problem;
-  ct_state *state;
-} plates;
-
-static ct_status push_force(const ct_effect *effect, const ct_view *view, double *force,
-                            ct_error *error)
-{
-  (void)effect;
-  (void)error;
-  for (int c = 0; c < 3; c++) force[c] = c == 2 && view->time > 2e-8 ? 1e-3 : 0.0;
-  return CT_OK;
-}
-
-static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
-{
-  plates p = {new_scene(), NULL, NULL};
-  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10),
-                   box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
-  int32_t body[2];
-  ct_optimisations optimisations = (ct_optimisations){1, 1, 1};
-  optimisations.shared_stiffness = congruent;
-  must(ct_scene_set_optimisations, p.scene, &optimisations);
-  for (int i = 0; i < 2; i++) {
-    body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel,
-                       i == 0 ? 1000 : -1000, 0, 0);
-    add_support(p.scene, body[i], m[i], 2, 0.0, "z", 0.0);
-    add_support(p.scene, body[i], m[i], -1, 0.0, "y", 0.0);
-  }
-  add_contact(p.scene, body[0], m[0], 0.0, body[1], m[1], 0.0, 0, 4.0);
-  static const int32_t node[1] = {120};
-  static const ct_effect_calls calls = {.force = push_force};
-  ct_effect *effect = NULL,
-            filled = {.label = "push", .nodes = node, .node_count = 1, .calls = &calls};
-  const ct_problem *joined;
-  must(ct_scene_join, p.scene, &joined);
-  if (push) {
-    must(ct_effect_create, &filled, &effect);
-    must(ct_scene_add_effect, p.scene, effect);
-  }
-  int64_t steps;
-  p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3}, &steps, NULL);
-  p.state = new_state(p.problem);
-  advance(p.problem, p.state, steps);
-  return p;
-}
-
-static void runs(void)
-{
-  for (int how = 0; how < 4; how++) {
-    int push = how % 2, congruent = how / 2;
-    plates a = open_plates(CT_KERNEL_AUTO, push, congruent),
-           b = open_plates(CT_KERNEL_BOX, push, congruent);
-    int64_t n = 3 * (int64_t)a.problem->node_count;
-    size_t bytes = (size_t)n * sizeof(double);
-    ct_solid_kernel kernel = CT_KERNEL_AUTO;
-    ct_solid_body_plan(a.problem->effects[0], 1, &kernel, NULL, NULL, NULL);
-    ct_energy ea = energy_of(a.problem, a.state), eb = energy_of(b.problem, b.state);
-    ct_momentum ma = momentum_of(a.problem, a.state, 1), mb = momentum_of(b.problem, b.state, 1);
-    tap_ok(kernel == CT_KERNEL_PLANE &&
-               memcmp(a.state->displacement, b.state->displacement, bytes) == 0 &&
-               memcmp(a.state->velocity, b.state->velocity, bytes) == 0,
-           "plates%s%s: displacements and velocities have the bits of the bricks",
-           push ? ", one layer pushed" : "", congruent ? "" : ", nothing shared");
-    tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0,
-           "their energy balance, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
-    tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
-    double *f = numbers(n), *g = numbers(n);
-    must(ct_state_force, a.problem, a.state, a.problem->effect_count - 1, f);
-    must(ct_state_force, b.problem, b.state, b.problem->effect_count - 1, g);
-    tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0,
-           "reactions of the supports are the same at every node");
-  }
-}
-
 static void choice(void)
 {
   ct_mesh *one = layer(1, 3, 4), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3),
@@ -314,7 +237,6 @@ int main(void)
   forces();
   rings();
   mirrored();
-  runs();
   choice();
   return tap_done();
 }

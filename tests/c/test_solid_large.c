@@ -315,70 +315,6 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
   free_mesh(m);
 }
 
-static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material,
-                         double rate)
-{
-  double *v = numbers(3 * m->node_count), axis[3] = {0.3 * rate, -0.4 * rate, 1.2 * rate};
-  for (int n = 0; n < m->node_count; n++)
-    for (int c = 0; c < 3; c++)
-      v[3 * n + c] = axis[(c + 1) % 3] * m->nodes[3 * n + (c + 2) % 3] -
-                     axis[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3] +
-                     0.05 * sin(3.0 * m->nodes[3 * n + c]);
-  add_moving_body(scene, "block", m, material, CT_KERNEL_AUTO, v);
-}
-
-/* One run of a free block that spins, stretches and vibrates; the width of the band of its energy,
- * over the energy. */
-static double spin(const ct_mesh *m, ct_law law, double end, double fraction, double *drift,
-                   double *balance)
-{
-  ct_material material = soft(law);
-  ct_scene *scene = new_scene();
-  add_spinning(scene, m, &material, 0.25);
-  int64_t steps;
-  int records = (int)(8.0 * end);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = end, .fraction = fraction}, &steps, NULL);
-  ct_state *state = new_state(problem);
-  ct_momentum start = momentum_of(problem, state, 0);
-  double size = sqrt(start.L[0] * start.L[0] + start.L[1] * start.L[1] + start.L[2] * start.L[2]);
-  double first = energy_of(problem, state).total, low = 0.0, high = 0.0;
-  for (int r = 0; r < records; r++) {
-    advance(problem, state, steps * (r + 1) / records - steps * r / records);
-    ct_energy energy = energy_of(problem, state);
-    ct_momentum now = momentum_of(problem, state, 0);
-    low = fmin(low, energy.total - first), high = fmax(high, energy.total - first);
-    *balance = worst(*balance, energy.balance / energy.kinetic);
-    for (int c = 0; c < 3; c++) *drift = worst(*drift, (now.L[c] - start.L[c]) / size);
-  }
-  return (high - low) / first;
-}
-
-/* The angular momentum is constant, the work balance closes, and the energy stays within a band
- * proportional to the step squared: over the first rotation, in which runs with different steps
- * have the same motion, and no wider over ten rotations. */
-static void spinning(ct_brick_kind kind, ct_law law)
-{
-  double spread[4], drift = 0.0, balance = 0.0;
-  ct_mesh *m = kind == CT_HEX8 ? box_mesh(kind, -1, -0.6, -0.4, 2, 1.2, 0.8, 5, 2, 2)
-                               : box_mesh(kind, -1, -0.6, -0.4, 2, 1.2, 0.8, 3, 1, 1);
-  // The spin stretches the block, and the tangent is stiffer then than at the start: keep below
-  // half of the first limit.
-  for (int k = 0; k < 3; k++) spread[k] = spin(m, law, 20.0, 0.4 / (1 << k), &drift, &balance);
-  spread[3] = spin(m, law, 200.0, 0.4, &drift, &balance);
-  double order[2] = {log2(spread[0] / spread[1]), log2(spread[1] / spread[2])};
-  tap_ok(drift < 1e-12, "%s, %s: a spinning block keeps its angular momentum to %.2g", KIND[kind],
-         LAW[law], drift);
-  tap_ok(balance < 1e-12, "%s, %s: kinetic energy is the work of the forces to %.2g", KIND[kind],
-         LAW[law], balance);
-  tap_ok(order[0] > 1.8 && order[0] < 2.2 && order[1] > 1.9 && order[1] < 2.1 &&
-             spread[3] < 3.0 * spread[0],
-         "%s, %s: energy spread %.2g, %.2g, %.2g of itself, order %.3f, %.3f; over ten turns %.2g "
-         "times the first",
-         KIND[kind], LAW[law], spread[0], spread[1], spread[2], order[0], order[1],
-         spread[3] / spread[0]);
-}
-
 /* The bound on ω² at a deformed state against the largest eigenvalue of the assembled tangent by
  * power iteration (eq:tangent-bound). */
 static void tangent_bound(ct_brick_kind kind, ct_law law)
@@ -504,7 +440,6 @@ int main(void)
       kernels(k, law);
       mirrored(k, law);
       mirrored_ring(k, law);
-      spinning(k, law);
       tangent_bound(k, law);
       inside_out(k, law);
     }

@@ -9,32 +9,27 @@ static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}
 static const ct_material BAR = {.young = 1.0, .poisson = 0.0, .density = 1.0};
 
 /* The definition of a tie between the faces of two bodies in the planes x = at_a and x = at_b of
- * their meshes; `faces` are freed by the caller. */
-static ct_tie_def tie_of(const ct_scene *scene, const ct_mesh *a, double at_a, const ct_mesh *b,
-                         double at_b, int swapped, int32_t *faces[2])
+ * their meshes. */
+static ct_tie_def tie_of(const ct_mesh *a, double at_a, const ct_mesh *b, double at_b)
 {
   const ct_mesh *mesh[2] = {a, b};
   const double at[2] = {at_a, at_b};
   ct_tie_def def = {COOKIE, .reach = 0.1};
-  (void)scene;
   for (int s = 0; s < 2; s++) {
-    const int to = swapped ? 1 - s : s;
     const int per = ct_face_node_count(ct_brick_face_kind(mesh[s]->kind));
-    faces[to] = integers(6 * 8 * mesh[s]->element_count);
-    def.kind[to] = ct_brick_face_kind(mesh[s]->kind);
-    def.face_count[to] = ct_mesh_plane_faces(mesh[s], 0, at[s], faces[to], NULL);
-    for (int64_t i = 0; s == 1 && i < (int64_t)def.face_count[to] * per; i++)
-      faces[to][i] += a->node_count;
-    def.faces[to] = faces[to];
+    int32_t *faces = integers(6 * 8 * mesh[s]->element_count);
+    def.kind[s] = ct_brick_face_kind(mesh[s]->kind);
+    def.face_count[s] = ct_mesh_plane_faces(mesh[s], 0, at[s], faces, NULL);
+    for (int64_t i = 0; s == 1 && i < (int64_t)def.face_count[s] * per; i++)
+      faces[i] += a->node_count;
+    def.faces[s] = faces;
   }
   return def;
 }
 
-static void add_tie(ct_scene *scene, const ct_mesh *a, const ct_mesh *b, double at, double epsilon,
-                    int swapped)
+static void add_tie(ct_scene *scene, const ct_mesh *a, const ct_mesh *b, double at, double epsilon)
 {
-  int32_t *faces[2];
-  ct_tie_def def = tie_of(scene, a, at, b, at, swapped, faces);
+  ct_tie_def def = tie_of(a, at, b, at);
   def.epsilon = epsilon;
   add_made(scene, ct_tie_create_effect, &def);
 }
@@ -76,7 +71,7 @@ typedef struct glued {
 } glued;
 
 /* Two blocks of different meshes that are glued together at x = 1 and move at random. */
-static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b, int swapped, int threads)
+static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b)
 {
   glued g = {box_mesh(kind_a, 0, 0, 0, 1, 1, 1, 2, 2, 2),
              box_mesh(kind_b, 1, 0, 0, 1, 1, 1, 2, 3, 3), new_scene(), NULL, NULL};
@@ -86,8 +81,7 @@ static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b, int swapped, int t
   for (int64_t d = 0; d < 3 * (int64_t)g.b->node_count; d++) v[1][d] = uniform(0.3);
   add_moving_body(g.scene, "a", g.a, &SOFT, CT_KERNEL_AUTO, v[0]);
   add_moving_body(g.scene, "b", g.b, &SOFT, CT_KERNEL_AUTO, v[1]);
-  add_tie(g.scene, g.a, g.b, 1.0, 40.0 * 900.0 * 3.0, swapped);
-  set_threads(g.scene, threads);
+  add_tie(g.scene, g.a, g.b, 1.0, 40.0 * 900.0 * 3.0);
   g.problem = build(g.scene, (ct_scene_time){.end = 3.0, .fraction = 0.9, .force_tolerance = 1e-12},
                     NULL, NULL);
   g.state = new_state(g.problem);
@@ -101,7 +95,7 @@ static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b, int swapped, int t
  */
 static void books(ct_brick_kind kind_a, ct_brick_kind kind_b, const char *name)
 {
-  glued g = glue(kind_a, kind_b, 0, 1);
+  glued g = glue(kind_a, kind_b);
   double energy = 0.0, momentum = 0.0, balance = 0.0, stored = 0.0;
   advance(g.problem, g.state, 1);
   const ct_energy first = energy_of(g.problem, g.state);
@@ -129,21 +123,6 @@ static void books(ct_brick_kind kind_a, ct_brick_kind kind_b, const char *name)
          exchanged, stored / first.total);
 }
 
-/* Same bits with threads, with the surfaces in the other order. */
-static void bits(void)
-{
-  glued one = glue(CT_HEX8, CT_HEX8, 0, 1), two = glue(CT_HEX8, CT_HEX8, 0, 2),
-        other = glue(CT_HEX8, CT_HEX8, 1, 1);
-  const size_t n = 3 * (size_t)one.problem->node_count * sizeof(double);
-  advance(one.problem, one.state, 50);
-  advance(two.problem, two.state, 50);
-  advance(other.problem, other.state, 50);
-  tap_ok(same_state(one.state, two.state), "two threads give the same bits");
-  tap_ok(memcmp(one.state->displacement, other.state->displacement, n) == 0 &&
-             memcmp(one.state->velocity, other.state->velocity, n) == 0,
-         "exchanged surfaces give the same bits");
-}
-
 /* The stable step is that of the bodies, whatever the stiffness of the tie. */
 static void step_of_the_bodies(void)
 {
@@ -154,7 +133,7 @@ static void step_of_the_bodies(void)
     ct_scene *scene = new_scene_with("a", a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
     ct_stable_step stable;
     add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    if (tied) add_tie(scene, a, b, 1.0, 1e9, 0);
+    if (tied) add_tie(scene, a, b, 1.0, 1e9);
     build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, &stable);
     dt[tied] = stable.dt;
   }
@@ -182,7 +161,7 @@ static double reflected(int cells_b)
   int32_t number;
   must(ct_scene_add_body, scene, &first, &number);
   add_body(scene, "b", b, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  add_tie(scene, a, b, 3.0, 40.0 * 11.0, 0);
+  add_tie(scene, a, b, 3.0, 40.0 * 11.0);
   int64_t steps;
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 2.8, .fraction = 0.9}, &steps, NULL);
@@ -213,11 +192,10 @@ static void refusals(void)
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   ct_effect *effect = NULL;
   ct_error e = {0};
-  int32_t *faces[2];
   int64_t tied, points;
   double farthest;
   const ct_problem *joined = join_scene(scene);
-  ct_tie_def def = tie_of(scene, a, 1.0, b, 1.05, 0, faces);
+  ct_tie_def def = tie_of(a, 1.0, b, 1.05);
   def.epsilon = 1e3;
   must(ct_tie_create_effect, &def, joined, &effect);
   must(ct_tie_count, effect, &tied, &points, &farthest);
@@ -245,7 +223,6 @@ int main(void)
   law();
   books(CT_HEX8, CT_HEX8, "hex8");
   books(CT_HEX20, CT_HEX8, "hex20 and hex8");
-  bits();
   step_of_the_bodies();
   wave();
   refusals();
