@@ -108,11 +108,10 @@ class Depths(Observer):
                 (who, given), units = self._open.pop(key), self._problem.parts.units
                 epsilon = self._epsilon(i, given)
                 where = ", ".join(f"{x:.4g}" for x in points["position"])
-                text = f"{who}: the surfaces overlap by {grown:.3g} {units.length} at t = {state.time:.4g} {units.time}, deepest "
-                text += f"at ({where}) on {points['surface']}, where an element is {size:.3g} {units.length} thick; "
-                text += (
-                    f"the penalty epsilon = {epsilon:.3g} is too soft for the load, and the bodies "
-                )
+                text = f"{who}: the surfaces overlap by {grown:.3g} {units.length} "
+                text += f"at t = {state.time:.4g} {units.time}, deepest at ({where}) on {points['surface']}, "
+                text += f"where an element is {size:.3g} {units.length} thick; the penalty "
+                text += f"epsilon = {epsilon:.3g} is too soft for the load, and the bodies "
                 text += "may pass through each other; "
                 enough, usual = epsilon * grown / (FINE * size), self._usual(given)
                 if usual > enough:

@@ -52,9 +52,11 @@ class Volumes(Observer):
                 "is inverted" if left[worst] <= 0.0 else f"has {left[worst]:.2g} of its volume left"
             )
             count = int((left < COLLAPSED).sum())
-            text = f'body "{body.name}": element {worst} at ({where}) {how} at a corner at t = {state.time:.4g}, one of {count} that collapse; '
+            text = f'body "{body.name}": element {worst} at ({where}) {how} at a corner '
+            text += f"at t = {state.time:.4g}, one of {count} that collapse; "
             if body.material.law == "linear":
-                text += f'the law "linear" is for small strain: give material "{body.material.name}" the law "neo_hookean", or check loads and units'
+                text += 'the law "linear" is for small strain: give material '
+                text += f'"{body.material.name}" the law "neo_hookean", or check loads and units'
             else:
                 text += "check loads and units, or take a finer mesh there"
             yield SceneWarning("volume", text, f"body[{i}]")

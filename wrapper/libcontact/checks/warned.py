@@ -549,9 +549,10 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
             share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]
             text = f'body "{name}" is about one element thick where it hits, along {axis}: '
-            text += f"with restitution {kept:g} about {100 * (1.0 - kept) * hit / moving:.0f} % of the energy "
-            text += f"of the impact is lost; for elastic bodies take {_lossless(problem)}, or divide it into at least 4 elements "
-            text += "along that direction (n equal ones lose (1 - restitution)/(2 n))"
+            lost = 100 * (1.0 - kept) * hit / moving
+            text += f"with restitution {kept:g} about {lost:.0f} % of the energy of the impact is lost; "
+            text += f"for elastic bodies take {_lossless(problem)}, or divide it into at least 4 "
+            text += "elements along that direction (n equal ones lose (1 - restitution)/(2 n))"
             yield SceneWarning("thin", text, touch.key)
 
 
