@@ -29,40 +29,6 @@ static ct_monitor_options every(int64_t steps)
   return options;
 }
 
-/* Two blocks of large deformation that collide: looked at after every third step, or not at all. */
-static void same_bits(void)
-{
-  static const ct_material large = {2.0, 0.3, 1.5, CT_NEO_HOOKEAN};
-  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),
-          *right = box_mesh(CT_HEX8, 0.01, 0, 0, 1, 1, 1, 3, 2, 2);
-  ct_scene *scene = new_scene_with("left", left, &large, CT_KERNEL_AUTO, 0.1, 0, 0);
-  add_body(scene, "right", right, &large, CT_KERNEL_AUTO, -0.1, 0, 0);
-  add_rough_contact(scene, 0, left, 0.0, 1, right, 0.01, 0, 1.0, 0.3, 0.0);
-  int64_t steps;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5}, &steps, NULL);
-  ct_state *plain = new_state(p), *monitored = new_state(p);
-  ct_monitor *monitor = new_watch(p, monitored, every(3));
-  ct_error e;
-  advance(p, plain, steps);
-  ct_status status = ct_run(monitored->problem, monitored, steps / 2,
-                            (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
-  if (status == CT_OK)
-    status = ct_run(monitored->problem, monitored, steps - steps / 2,
-                    (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
-  size_t n = 3 * (size_t)p->node_count * sizeof(double);
-  tap_ok(status == CT_OK && monitored->step == steps &&
-             memcmp(plain->displacement, monitored->displacement, n) == 0 &&
-             memcmp(plain->velocity, monitored->velocity, n) == 0 &&
-             memcmp(plain->memory, monitored->memory,
-                    (size_t)plain->memory_count * sizeof(double)) == 0 &&
-             memcmp(plain->work, monitored->work, (size_t)plain->work_count * sizeof(double)) == 0,
-         "checks change no bit of %d steps", (int)steps);
-  const ct_state *good = ct_monitor_good(monitor);
-  tap_ok(good != NULL && good->step == steps / 3 * 3,
-         "the last good state is that of the last check, step %d",
-         good == NULL ? -1 : (int)good->step);
-}
-
 /* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2,
  * and the largest frequency of ten elements between held ends is 2 c / h sin(9 π / 20): Courant
  * number f of the start is too much from λ² = (2 / (f sin)² + 1) / 3 on
@@ -238,16 +204,6 @@ static void told(int stores, double unit, int again)
            "unit %g: the same work by an external force is no growth", unit);
 }
 
-/* Rotate a mesh about the origin, and move it. */
-static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
-{
-  for (int n = 0; n < mesh->node_count; n++) {
-    double *X = &mesh->nodes[3 * n], old[3] = {X[0], X[1], X[2]};
-    for (int c = 0; c < 3; c++)
-      X[c] = by[c] + ((R[c][0] * old[0] + R[c][1] * old[1]) + R[c][2] * old[2]);
-  }
-}
-
 /* Two blocks of 6 and 4 units of volume: ε Σ V (Λ + 2μ) = ε Σ V E (1 - ν) / ((1 + ν) (1 - 2ν))
  * (eq:energy-floor). And from which energies on a run fails (eq:energy-appears, eq:energy-grows) or
  * a growth is reported (eq:energy-growth). */
@@ -280,49 +236,6 @@ static void least_energy(void)
     note_growth(monitor, state, &of);
     tap_close(monitor->growth.ratio, more * part * 0.002, 1e-12, "the growth that is reported");
   }
-}
-
-/* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no
- * energy (eq:energy-floor). */
-static void at_rest(void)
-{
-  int alarms = 0, told_of = 0;
-  double most = 0.0;
-  char text[1100] = "";
-  for (int i = 0; i < 40; i++) {
-    double R[3][3], by[3];
-    random_rotation(R);
-    for (int c = 0; c < 3; c++) by[c] = uniform(3.0);
-    ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
-            *upper = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 1, 2, 2, 2);
-    ct_scene *scene = new_scene();
-    int32_t *faces[2] = {integers(400), integers(400)},
-            count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL),
-                        ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
-    turn_mesh(lower, R, by);
-    turn_mesh(upper, R, by);
-    add_body(scene, "lower", lower, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    add_body(scene, "upper", upper, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = scene_contact(0, faces[0], count[0], 1, faces[1], count[1]);
-    contact.beta = 4.0;
-    if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
-    ct_error e = {0};
-    must(ct_scene_add_contact, scene, &contact);
-    int64_t steps;
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8}, &steps, NULL);
-    ct_state *state = new_state(p);
-    ct_monitor *monitor = new_watch(p, state, every(1));
-    if (ct_run(state->problem, state, steps, (ct_observer[]){ct_monitor_observer(monitor)}, 1,
-               &e) != CT_OK &&
-        alarms++ == 0)
-      snprintf(text, sizeof text, ": %s", e.text);
-    told_of += ct_monitor_growth(monitor).ratio > 0.0;
-    most = worst(most, energy_of(p, state).total);
-  }
-  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
-         "two blocks at rest in 40 positions, energies up to %.1e: %d errors, growth reported %d "
-         "times%s",
-         most, alarms, told_of, text);
 }
 
 /* An inverted element, and a NaN, during a run. */
@@ -397,7 +310,6 @@ static void refusals(void)
 int main(void)
 {
   free_at_end();
-  same_bits();
   stiffening();
   growth(1.0005);
   growth(1.2);
@@ -411,7 +323,6 @@ int main(void)
   told(1, 1.0, 1);
   told(0, 1.0, 0);
   least_energy();
-  at_rest();
   named(0);
   named(1);
   refusals();

@@ -24,24 +24,29 @@ import libcontact as ct
 C = math.sqrt(1.0 * 0.7 / (1.3 * 0.4))  # speed of pressure waves, ν = 0.3
 
 
+def folded(nodes: np.ndarray, leg: float, thick: float, gap: float) -> np.ndarray:
+    """A box of unit length and height, as a strip of two legs along x, one above the other, and half a ring between
+    them."""
+    s, y, t = nodes.T
+    middle = 0.5 * (thick + gap)
+    arc = middle * math.pi
+    along, off = (2 * leg + arc) * s, thick * (t - 0.5)  # off > 0 is the inner side
+    angle = np.clip((along - leg) / middle, 0.0, math.pi)
+    straight = np.where(along < leg, along, np.where(along > leg + arc, 2 * leg + arc - along, leg))
+    radius = middle - off
+    return np.stack([straight + radius * np.sin(angle), y, -radius * np.cos(angle)], -1)
+
+
 def hairpin(chance: random.Random, kind: str) -> tuple:
-    """Two legs and half a ring between them; the tips move towards each other or past each other."""
+    """A folded strip, whose tips move towards each other or past each other."""
     thick, gap, leg = chance.uniform(0.05, 0.2), chance.uniform(0.02, 0.2), chance.uniform(0.4, 1.0)
     mesh = Mesh.box(
         kind,
         (0, 0, 0),
-        (1, 1, 1),
+        (1, 0.2, 1),
         (chance.randint(8, 20), chance.randint(1, 2), chance.randint(1, 2)),
     )
-    s, y, t = mesh.nodes.T
-    middle = 0.5 * (thick + gap)
-    arc = middle * math.pi
-    along, off = (2 * leg + arc) * s, thick * (t - 0.5)
-    angle = np.clip((along - leg) / middle, 0.0, math.pi)
-    straight = np.where(along < leg, along, np.where(along > leg + arc, 2 * leg + arc - along, leg))
-    radius = middle - off
-    nodes = np.stack([straight + radius * np.sin(angle), 0.2 * y, -radius * np.cos(angle)], -1)
-    return nodes, mesh.elements, gap
+    return folded(mesh.nodes, leg, thick, gap), mesh.elements, gap
 
 
 def ring(chance: random.Random, kind: str) -> tuple:
