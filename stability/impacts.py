@@ -8,7 +8,6 @@ mesh with explicit penalties at a tiny step tells the speeds. ``--book`` writes 
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import sys
@@ -512,15 +511,6 @@ OTHERS = {other.__name__: other for other in (modes, bounces, trade)}
 BOOK = Path(__file__).resolve().parent.parent / "docs" / "theory"
 
 
-def write(path: Path, rows: list[dict[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(rows[0]))
-        table.writeheader()
-        table.writerows(
-            {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows
-        )
-
-
 def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """One line per case, with the worst of its steps in per cent. Plates with the same number of layers,
     bars that land alike, and folds share a line."""
@@ -554,9 +544,13 @@ def main() -> int:
     others = {name: OTHERS[name]() for name in OTHERS if name in chosen}
     if given.book:
         if rows:
-            write(BOOK / "impacts.csv", summary(rows))
+            program.write_table(BOOK / "impacts.csv", summary(rows))
         if "trade" in others:
-            write(BOOK / "trade.csv", others["trade"])
+            rounded = [
+                {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in row.items()}
+                for row in others["trade"]
+            ]
+            program.write_table(BOOK / "trade.csv", rounded)
     short = [row for row in rows + sum(others.values(), []) if row.get("short")]
     print(f"\n{len(rows)} rows of impacts; {len(short)} are short of what they must show")
     for row in short:

@@ -8,7 +8,6 @@ penalty is β. ``--book`` writes the table of the chapter.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -145,19 +144,15 @@ def main() -> None:
     if not given.book:
         return
     folder = Path(__file__).resolve().parent.parent / "docs" / "theory"
-    columns = ("settled", "smooth", "mode", "force", "impact 0.5", "impact 0.98", "peak")
-    with open(folder / "laws.csv", "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["law", "β", *(f"{column}, %" for column in columns[:-1]), "peak"])
-        for (name, k), row in rows.items():
-            if k in (1.0, 4.0, 40.0, 100.0):
-                cells = [
-                    f"{row[c]:.2g}" if abs(row.get(c, 1.0)) > 1e-6 else "0"
-                    for c in columns
-                    if c in row
-                ]
-                blanks = [""] * (len(columns) - len(cells))
-                table.writerow([name, "" if name == "multipliers" else f"{k:g}", *blanks, *cells])
+    shares = ("settled", "smooth", "mode", "force", "impact 0.5", "impact 0.98")
+    heads = {share: f"{share}, %" for share in shares} | {"peak": "peak"}
+    lines = []
+    for (name, k), row in rows.items():
+        if k in (1.0, 4.0, 40.0, 100.0):
+            cells = {c: f"{row[c]:.2g}" if abs(row[c]) > 1e-6 else "0" for c in row}
+            line = {"law": name, "β": "" if name == "multipliers" else f"{k:g}"}
+            lines.append(line | {head: cells.get(c, "") for c, head in heads.items()})
+    program.write_table(folder / "laws.csv", lines)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ chapter "Stability" into ``docs/stability``.
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -69,13 +68,10 @@ def as_expected(row: lab.Row) -> bool:
 
 
 def write(rows: list[lab.Row], folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "stability.json").write_text(json.dumps([row.data() for row in rows], indent=1))
-    with (folder / "stability.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        names = [name for name in rows[0].data() if name != "curve"]
-        table.writerow(names)
-        table.writerows([[row.data()[name] for name in names] for row in rows])
+    data = [row.data() for row in rows]
+    plain = [{name: row[name] for name in row if name != "curve"} for row in data]
+    program.write_table(folder / "stability.csv", plain)
+    (folder / "stability.json").write_text(json.dumps(data, indent=1))
 
 
 def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
@@ -130,28 +126,18 @@ def _range(values: list[float]) -> str:
     )
 
 
-def write_summary(rows: list[lab.Row], folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "summary.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(summarise(rows)[0]))
-        table.writeheader()
-        table.writerows(summarise(rows))
-
-
 def write_sweep(rows: list[lab.Row], folder: Path) -> None:
     """What the default law dissipates in the plates and how deep their points get, over penalty and step: a picture of
     the book (``docs/figures/stability.py``)."""
     own = [row for row in rows if row.case == "plates" and row.enforcement == lab.DEFAULT]
     if len({row.fraction for row in own}) < 2:
         return
-    with (folder / "plates.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        table.writerow(["beta", "step", "energy lost", "energy grows by", "points / h"])
-        for row in sorted(own, key=lambda row: (round(row.fraction, 2), row.beta)):
-            values = (row.lost, row.energy, row.points)
-            table.writerow(
-                [f"{row.beta:g}", f"{row.fraction:.2f}", *(f"{value:.3g}" for value in values)]
-            )
+    lines = [
+        {"beta": f"{row.beta:g}", "step": f"{row.fraction:.2f}", "energy lost": f"{row.lost:.3g}"}
+        | {"energy grows by": f"{row.energy:.3g}", "points / h": f"{row.points:.3g}"}
+        for row in sorted(own, key=lambda row: (round(row.fraction, 2), row.beta))
+    ]
+    program.write_table(folder / "plates.csv", lines)
 
 
 def main() -> int:
@@ -165,7 +151,7 @@ def main() -> int:
         write(rows, given.folder)
         for place in (given.folder, BOOK) if given.book else (given.folder,):
             write_sweep(rows, place)
-            write_summary(rows, place)
+            program.write_table(place / "summary.csv", summarise(rows))
     odd = surprises(rows)
     default = [row for row in rows if row.enforcement == lab.DEFAULT]
     print(

@@ -11,7 +11,6 @@ It runs what FOLDER/zoo.jsonl does not have yet, so Ctrl-C keeps the completed r
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -625,12 +624,7 @@ def write(rows: list[Row], folder: Path) -> None:
         ("zoo_reasons", reasons(rows)),
         ("zoo_where", [origin]),
     ):
-        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(
-                file, list(table[0]) if table else ["nothing"], lineterminator="\n"
-            )
-            writer.writeheader()
-            writer.writerows(table)
+        program.write_table(folder / f"{name}.csv", table)
 
 
 def main() -> int:
