@@ -1,4 +1,4 @@
-"""Friction: the partial slip of two bodies after Cattaneo and Mindlin, an oblique impact in gross slip."""
+"""Friction: the partial slip of two bodies after Cattaneo and Mindlin, oblique impacts in gross slip."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import defaults
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import MILLIMETRES, scene_with
+from scenes import MILLIMETRES, box_of, scene_with
 
 import libcontact as ct
 
@@ -115,3 +115,18 @@ def test_a_ball_that_strikes_obliquely_in_gross_slip():
     along, up = p[-1, 0] - p[0, 0], p[-1, 2] - p[0, 2]
     assert p[-1, 2] > -0.95 * p[0, 2]
     assert -along == pytest.approx(friction * up, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [0.9, 0.25, 0.03])
+def test_a_rigid_block_that_strikes_in_gross_slip(step):
+    """It loses μ m (1 + e) v_n whatever the step is, in which it moves by less than the elastic slip at the limit
+    (eq:slip-opens)."""
+    made = scene_with("m", young=1e6, poisson=0.3, density=1000.0)
+    box = box_of([0, 0, 1e-3], [1, 1, 1], [4, 4, 4])
+    made.add_body("block", material="m", box=box, velocity=[2, 0, -1])
+    made.add("rigid", body="block", fixed=["rx", "ry", "rz"])
+    floor = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    made.add("obstacle", surface="block.z_min", friction=0.1, plane=floor)
+    run = made.set_time(end=0.05, dt=step * 0.25 / math.sqrt(1000.0)).set_output(every=10**9).run()
+    p = run.body_momentum("block")["p"][-1] / 1000.0
+    np.testing.assert_allclose(p, [2 - 0.1 * 2, 0, 1], atol=1e-12)

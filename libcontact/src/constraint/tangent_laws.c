@@ -7,6 +7,39 @@
 
 #include <math.h>
 
+/* The compliance C of a point that opens, over its bound of W: so small that its force follows the
+ * motion of one step, and not so small that the iteration takes many rounds. */
+static const double FOLLOWS = 0.1;
+
+/* Let the elastic slip have been the same one step ago, with the same energy: then all of the last
+ * motion was slip. What it does not store becomes reserve, and a larger slip is shortened. */
+static void forget_motion(const ct_tangent *t, int64_t j)
+{
+  const double k4 = 0.25 * t->k[j], e2 = ct_columns_dot(&t->e, &t->e, j),
+               S = k4 * (e2 + ct_columns_dot(&t->e0, &t->e0, j)) + t->reserve[j],
+               // -- e ← min(1, √(S₋ / ½ k e²)) e_n, R ← ⟨S₋ - ½ k e²⟩ (eq:slip-opens)
+      left = S - 2.0 * k4 * e2, part = left < 0.0 ? sqrt(S / (2.0 * k4 * e2)) : 1.0;
+  for (int c = 0; c < 3; c++) t->e0.x[c][j] = t->e.x[c][j] *= part;
+  t->reserve[j] = ct_larger(left, 0.0);
+  t->stuck[j] = 0.0;
+}
+
+/* The springs of points that open and cannot follow the motion: their dashpots `a` grow. Then the
+ * force is μ times the whole normal force where they slip (eq:slip-opens). */
+static void follow_releases(const ct_solver *s, double *a)
+{
+  const ct_tangent *t = s->tangent;
+  for (int64_t r = s->point_count, j = 0; r < s->count; r++) {
+    if (s->active[r]->slip == NULL) continue;
+    while (t->rows[j] != s->active[r]) j++;
+    // -- C = 2 / (k (1 + a)) = B / 10 (eq:slip-opens)
+    const double least = 2.0 / (FOLLOWS * t->k[j] * t->widening * t->scale[j]) - 1.0;
+    if (!(least > a[j])) continue;
+    a[j] = least;
+    forget_motion(t, j);
+  }
+}
+
 /* The springs of all rows with the dashpots `a`, and 1 / D with their compliances. Returns the
  * largest -D⁻¹ C. */
 CT_CLONES
@@ -34,6 +67,7 @@ int ct_tangent_fix_laws(ct_solver *s)
   for (int64_t j = 0; j < t->count && !t->active; j++) t->zeta[j] = t->rows[j]->dissipation;
   const double *zeta = t->active ? s->laws.dissipation : t->zeta;
   ct_law_dampings(t->count, zeta, t->k, t->scale, s->fraction, t->terms);
+  follow_releases(s, t->terms);
   double slowest = fix_springs(t->count, t->widening, t->k, t->terms, t->C, t->kappa, t->scale);
   // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
   ct_pieces_largest(s->pieces, &slowest, 1);

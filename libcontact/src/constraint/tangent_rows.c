@@ -132,16 +132,18 @@ int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
   return count;
 }
 
-/* Find where the numbers of the points are: the iteration changes T; the others are those of the
- * points themselves if these stand side by side. */
-static void place_numbers(ct_tangent *t)
+/* Find where the numbers of the points are: the iteration changes T, and points that open from e_n
+ * to `stuck`; the others are those of the points themselves if these stand side by side. */
+static void place_numbers(ct_tangent *t, int opens)
 {
+  const int first = opens ? CT_SLIP_E : CT_SLIP_FORCE,
+            end = opens ? CT_SLIP_IMAGE : CT_SLIP_RESERVE;
   const int64_t last = t->count - 1;
   // The rows of one ct_slips follow on each other, in the order of its points.
   t->one_run = last >= 0 && t->rows[last]->slip->of == t->rows[0]->slip->of &&
                t->rows[last]->slip->at - t->rows[0]->slip->at == last;
   for (int i = 0; i < CT_SLIP_GIVEN; i++) {
-    const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
+    const int shared = t->one_run && (i < first || i >= end);
     t->given[i] = shared ? ct_slip_number(t->rows[0]->slip, i) : t->own[i];
   }
   ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T, &t->was_image};
@@ -215,7 +217,7 @@ void ct_tangent_list(ct_solver *s)
   ct_tangent *t = s->tangent;
   const int differ = list_rows(s);
   t->some_move = 0;
-  place_numbers(t);
+  place_numbers(t, s->count > s->point_count);
   read_points(t);
   double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0, differ};
   ct_pieces_largest(s->pieces, facts, 4);
