@@ -786,8 +786,8 @@ class ContactLaw(Table):
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
         Stiffness of the tangential spring over that of the penalty, :eq:`slip-law`; only with ``friction``.
-        Without it the spring is as stiff as the penalty, but at most 4 :math:`\rho c_1^2 / h`, with which
-        the forces converge in fewer rounds. A point that sticks shifts by at most :math:`\mu` times its
+        Without it the spring is as stiff as the penalty, but if a body deforms at most 4 :math:`\rho c_1^2 / h`,
+        with which the forces converge in fewer rounds. A point that sticks shifts by at most :math:`\mu` times its
         normal force over the stiffness of this spring. It does not limit the step.
     adjust
         Distance within which gaps and overlaps at the start count as touching,

@@ -94,8 +94,8 @@ typedef struct ct_scene_contact {
   double friction;
   /**
    * Stiffness of friction's tangential spring over that of the penalty [-], :eq:`slip-law`; 0:
-   * automatic. The automatic value is 1, or less if the penalty is stiffer than the usual explicit
-   * one: then the forces converge in fewer rounds.
+   * automatic. The automatic value is 1, or less if a body deforms and the penalty is stiffer than
+   * the usual explicit one: then the forces converge in fewer rounds.
    */
   double tangent;
   /** Instead of `faces_a`: the outer faces in this side of the first body. */

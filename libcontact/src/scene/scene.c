@@ -681,10 +681,11 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   ct_friction_def friction = ct_friction_def_default();
   friction.on = scene->effects[*next - 1];
   friction.coefficient = entry->given.friction;
-  // -- A tenth of the normal stiffness by default: half the rounds of a stiffer spring
-  friction.tangent = entry->given.tangent != 0.0
-                         ? entry->given.tangent
-                         : fmin(1.0, usual_penalty(&soft, CT_ENFORCE_PENALTY) / entry->epsilon);
+  // -- A tenth of the normal stiffness by default if a body deforms: half the rounds (eq:slip-law)
+  const int deforms = !is_rigid(scene, entry->body[0]) || !is_rigid(scene, entry->body[1]);
+  const double usual = deforms ? usual_penalty(&soft, CT_ENFORCE_PENALTY) : INFINITY;
+  friction.tangent =
+      entry->given.tangent != 0.0 ? entry->given.tangent : fmin(1.0, usual / entry->epsilon);
   status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*next], error);
   if (status == CT_OK) (*next)++;
   return status;

@@ -198,7 +198,10 @@ class Obstacle(ContactLaw, OnSurface):
         made = super().create(maker)
         if not self.friction:
             return made
-        ratio = self.penalties(maker.body(self.surface[0]), maker.materials(self.surface))[1]
+        body, materials = self.surface[0], maker.materials(self.surface)
+        ratio = self.penalties(maker.body(body), materials)[1]
+        if body in maker.parts.rigid_names:
+            ratio = self.tangent or 1.0
         keys = {"on": made, "coefficient": self.friction, "tangent": ratio}
         return [made, maker.make("friction", self, **keys)]
 
