@@ -528,6 +528,83 @@ static void passes_in_a_step(ct_face_kind kind)
          "%s: but if they may pass through each other: %s", KIND[kind], e.text);
 }
 
+/* Two faces that share the edge x = 0: the second one is folded about it, until it is at the angle
+ * `fold` from the first one. */
+static void fold_page(double fold, double *x)
+{
+  for (int n = 0; n < 15; n++) {
+    const double t = n % 5 * 0.5 - 1.0;
+    x[3 * n] = t > 0.0 ? -t * cos(fold) : t;
+    x[3 * n + 1] = 0.5 * (n / 5);
+    x[3 * n + 2] = t > 0.0 ? t * sin(fold) : 0.0;
+  }
+}
+
+/* The largest difference of the gaps at a fold from s sin φ, at the distances s of the points from
+ * the edge; infinite if a point has no partner. */
+static double off_book(const ct_contact *contact, const ct_rule *rule, double fold)
+{
+  ct_contact_point point[18];
+  double off = 0.0;
+  ct_contact_points(contact, point, NULL);
+  for (int i = 0; i < 2 * rule->count; i++) {
+    const double xi = rule->xi[i % rule->count][0], s = 0.5 + (i < rule->count ? -0.5 : 0.5) * xi;
+    off = point[i].other < 0 ? INFINITY : worst(off, point[i].gap - s * sin(fold));
+  }
+  return off;
+}
+
+/* Two faces at an edge close like a book: they meet from a quarter turn on, and are then held apart
+ * by Σ ½ k g²; as the two sides of a ridge they never meet (eq:self-adjacent). */
+static void book(ct_face_kind kind)
+{
+  int32_t faces[16] = {0, 2, 12, 10, 1, 7, 11, 5, 2, 4, 14, 12, 3, 9, 13, 7};
+  double flat[45], x[45], f[45], off = 0.0, ridge = 0.0, sum[3] = {0}, h = 1e-6;
+  const double PI = 3.14159265358979324, degree = PI / 180.0, closed = -0.5 * degree;
+  ct_rule rule;
+  ct_rule_face(kind, &rule, NULL);
+  if (kind == CT_Q4) memmove(&faces[4], &faces[8], 4 * sizeof *faces);
+  fold_page(PI, flat);
+  const ct_surface surface = {kind, 15, 2, faces, flat};
+  ct_contact *contact = open_self(&surface);
+  fold_page(80.0 * degree, x);
+  energy_at(contact, x);
+  const int open = isinf(off_book(contact, &rule, 80.0 * degree));
+  for (double fold = 70.0 * degree; fold > closed; fold -= 0.5 * degree) {
+    fold_page(fold, x);
+    energy_at(contact, x);
+    off = worst(off, off_book(contact, &rule, fold));
+  }
+  fold_page(closed, x);
+  const double energy = energy_at(contact, x), exact = EPSILON * pow(sin(closed), 2.0) / 6.0;
+  tap_ok(open && off < 1e-9 && off_book(contact, &rule, closed) < 1e-9 &&
+             fabs(energy / exact - 1.0) < 1e-7,
+         "%s faces close like a book: gaps off by %.2g, energy by %.2g", KIND[kind], off,
+         energy / exact - 1.0);
+  forces(contact, 15, f);
+  off = 0.0;
+  for (int i = 0; i < 45; i++) {
+    const double keep = x[i];
+    x[i] = keep + h;
+    const double up = energy_at(contact, x);
+    x[i] = keep - h;
+    off = worst(off, f[i] + (up - energy_at(contact, x)) / (2.0 * h));
+    x[i] = keep;
+    sum[i % 3] += f[i];
+  }
+  tap_ok(largest(f, 45) > 0.0 && off < 1e-6 * largest(f, 45) &&
+             largest(sum, 3) < 1e-13 * largest(f, 45),
+         "%s book: force is minus the gradient of the energy, off by %.2g", KIND[kind],
+         off / largest(f, 45));
+  contact = open_self(&surface);
+  for (double fold = -180.0 * degree; fold < -5.0 * degree; fold += 0.5 * degree) {
+    fold_page(fold, x);
+    ridge = worst(ridge, energy_at(contact, x));
+    if (!isinf(off_book(contact, &rule, fold))) ridge = 1.0;
+  }
+  tap_ok(ridge == 0.0, "%s faces at a ridge do not meet", KIND[kind]);
+}
+
 static void refusals(void)
 {
   fold p = new_fold(CT_Q4);
@@ -576,6 +653,7 @@ int main(void)
   for (int i = 0; i < 12; i++)
     concave(i % 2 ? CT_HEX20 : CT_HEX8, i / 2 % 3, i < 6 ? CT_POINTS_GAUSS : CT_POINTS_LOBATTO);
   for (int k = 0; k < 4; k++) made_in_each_other((ct_face_kind)k);
+  book(CT_Q4);
   c_shape();
   scene_of_a_c();
   refusals();

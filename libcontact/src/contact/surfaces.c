@@ -104,9 +104,17 @@ static ct_status list_nodes(ct_contact_fixed *fixed, int32_t offset)
 static ct_status open_state(ct_contact *contact)
 {
   ct_status status = CT_OK;
-  for (int s = 0; status == CT_OK && s < contact->gaps.fixed->sides; s++)
+  const ct_gaps_fixed *fixed = contact->gaps.fixed;
+  for (int s = 0; status == CT_OK && s < fixed->sides; s++)
     status = ct_side_equip(&contact->gaps.side[s]);
-  return status;
+  const ct_side_fixed *side = &fixed->side[0];
+  // Points on an edge lie on the face across it, and a quadratic face can fold within itself.
+  if (status != CT_OK || fixed->sides == 2 || fixed->alone || side->on_edges ||
+      side->search->per > side->search->edges)
+    return status;
+  uint8_t *creased = ct_allocate((size_t)side->search->face_count, sizeof *creased);
+  contact->gaps.side[0].creased = creased;
+  return creased == NULL ? CT_ERROR_MEMORY : CT_OK;
 }
 
 static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_error *error)

@@ -1,7 +1,9 @@
 /* Candidate faces of the other surface for each face: lists with a skin. */
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
+#include "../base/vector.h"
 #include "gaps.h"
 
 #include <math.h>
@@ -37,6 +39,46 @@ static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, i
   for (int32_t i = 0; i < count; i++)
     if (!ct_search_adjacent(side->search, face, list[i])) list[kept++] = list[i];
   return kept;
+}
+
+/* Normal of a linear face, of any length: the product of its diagonals, or of two edges of a
+ * triangle. */
+CT_INLINE void normal_of(const ct_search *search, int64_t face, double normal[3])
+{
+  const int32_t *node = &search->faces[face * search->per];
+  const double *a = &search->x[3 * (int64_t)node[0]], *b = &search->x[3 * (int64_t)node[1]],
+               *c = &search->x[3 * (int64_t)node[2]],
+               *d = &search->x[3 * (int64_t)node[search->per - 1]];
+  const double u[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]},
+               v[3] = {d[0] - b[0], d[1] - b[1], d[2] - b[2]};
+  ct_vector_cross(u, v, normal);
+}
+
+int ct_gaps_mark_creases(ct_gaps *gaps)
+{
+  ct_side *side = &gaps->side[0];
+  const ct_search *search = side->search;
+  int some = 0;
+  if (side->creased == NULL) return 0;
+  memset(side->creased, 0, (size_t)search->face_count);
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int64_t f = run.first; f < run.end; f++) {
+      double own[3], other[3];
+      normal_of(search, f, own);
+      for (int e = 0; e < search->edges; e++) {
+        const int32_t across = search->neighbour[f * search->edges + e];
+        // The face before this one has seen it.
+        if (across < 0 || (across < f && across >= run.first)) continue;
+        normal_of(search, across, other);
+        const double cosine = ct_vector_dot(own, other);
+        // (eq:self-adjacent)
+        if (!(cosine < 0.0) ||
+            16.0 * cosine * cosine < ct_vector_dot(own, own) * ct_vector_dot(other, other))
+          continue;
+        some = side->creased[f] = side->creased[across] = 1;
+      }
+    }
+  return some;
 }
 
 /* Move the faces whose boxes meet a box to the front of a list; returns their number. */

@@ -36,7 +36,7 @@ ct_status ct_gaps_measure(ct_gaps *gaps, int threads, ct_error *error)
   const int sides = gaps->fixed->sides;
   ct_status status = ct_gaps_place(gaps, error);
   if (status != CT_OK) return status;
-  if (ct_gaps_are_separated(gaps)) {
+  if (!ct_gaps_mark_creases(gaps) && ct_gaps_are_separated(gaps)) {
     for (int s = 0; s < sides; s++) forget_faces(&gaps->side[s]);
     return CT_OK;
   }

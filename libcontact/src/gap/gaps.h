@@ -59,6 +59,10 @@ typedef struct ct_gaps {
   ct_side side[2];
 } ct_gaps;
 
+/* Mark the faces of the only surface that a face across an edge faces now, as where a wall is
+ * folded flat; returns whether there are any (eq:self-adjacent). */
+int ct_gaps_mark_creases(ct_gaps *gaps);
+
 /* Update the candidates of all faces; and whether the update is not needed, because the surfaces
  * are too far apart to touch (eq:contact-clear). */
 ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error);

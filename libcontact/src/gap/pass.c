@@ -117,22 +117,24 @@ static int faces_point(const ct_pass *p, const ct_point *point, const double own
 }
 
 /* For a surface in contact with itself: whether a closest point is admissible. The faces must face
- * each other, no face at the closest point may be nearer (a face that shares a node with the
- * point's own was excluded, eq:local-minimum), and the depth must be within its limit. `own` is the
- * normal at the point. */
+ * each other, no face at the closest point may be nearer (faces that share a node with the
+ * point's own were excluded, eq:local-minimum), and the depth must be within its limit. `own` is
+ * the normal at the point. */
 static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const double y[3],
                          int32_t target, const ct_projection *closest)
 {
   double normal[3], d[3];
   (void)outward_at(p, target, closest, normal);
   for (int c = 0; c < 3; c++) d[c] = closest->point[c] - y[c];
-  if (!ct_pass_faces_across(own, normal)) return 0;
+  const ct_point *point = &p->side->points[i];
+  const int beside = ct_search_adjacent(p->other->search, face_of(p, i), target);
+  // -- A face across an edge must face the point (eq:self-adjacent)
+  if (!(beside ? ct_pass_opposes(own, normal) : ct_pass_faces_across(own, normal))) return 0;
   if (!ct_search_is_minimum(p->other->search, target, closest->where, closest->index, closest->xi,
                             d))
     return 0;
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
-  const ct_point *point = &p->side->points[i];
-  if (!faces_point(p, point, own, normal)) return 0;
+  if ((beside && point->other < 0) || !faces_point(p, point, own, normal)) return 0;
   // -- No deeper than its last depth plus the motion since (eq:self-status)
   double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, i, target);
   return closest->distance <= fmin(came, deepest(p, i, target, closest));
@@ -342,6 +344,12 @@ CT_INLINE void try_box(const ct_pass *p, int64_t i, int32_t target, const double
   else if (distance < best->clear) best->clear = distance;
 }
 
+/* Whether a face across an edge faces this one, on a surface in contact with itself. */
+static int is_creased(const ct_pass *p, int32_t face)
+{
+  return p->side->creased != NULL && p->side->creased[face];
+}
+
 /* The nearest face of a point, the nearest one that is not on a far side, or the nearest one that
  * faces it, close by (eq:beside-edge). A point in contact searches to any depth for the others,
  * except on its own surface (eq:held). */
@@ -363,6 +371,11 @@ static void find_nearest(const ct_pass *p, int64_t i, const double y[3], search_
   if (warm >= 0) try_box(p, i, warm, point->xi, y, best);
   for (int32_t k = side->candidate_first[face]; k < side->candidate_first[face + 1]; k++)
     if (side->candidates[k] != warm) try_box(p, i, side->candidates[k], NULL, y, best);
+  // -- At a crease the faces across the edges count, too (eq:self-adjacent)
+  for (int e = 0; is_creased(p, face) && e < other->search->edges; e++) {
+    const int32_t target = other->search->neighbour[(int64_t)face * other->search->edges + e];
+    if (target >= 0 && target != warm) try_box(p, i, target, NULL, y, best);
+  }
   // -- Deeper than the lists reach: try all faces (eq:held)
   for (int32_t target = 0;
        held && best->distance > side->listed[face] && target < other->search->face_count; target++)
@@ -465,7 +478,9 @@ static int is_alone(const ct_pass *p, int64_t i)
 {
   const int32_t *list = &p->side->candidate_first[face_of(p, i)];
   const ct_point *point = &p->side->points[i];
-  if (point->other >= 0 || point->status == CT_POINT_INSIDE || p->first) return 0;
+  if (point->other >= 0 || point->status == CT_POINT_INSIDE || p->first ||
+      is_creased(p, face_of(p, i)))
+    return 0;
   return list[0] == list[1] ||
          (p->side->met[i] < 0 && ct_pass_reached(p, p->depth) < p->side->distant[i]);
 }

@@ -68,7 +68,7 @@ void ct_side_clear(ct_side *side)
   void *blocks[] = {
       side->listed,     side->x_built, side->moved,    side->points, side->candidate_first,
       side->candidates, side->force,   side->near_end, side->met,    side->distant,
-      side->runs};
+      side->runs,       side->creased};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);

@@ -121,6 +121,8 @@ typedef struct ct_side {
                         from all listed faces if a search has found none, shape (face_count,
                         rule.count) (eq:rival-distance, eq:clear-distance) */
   int32_t candidate_capacity;
+  uint8_t *creased; /* whether a face across an edge faces this one, shape (face_count): for a
+                       surface with itself, else null */
 } ct_side;
 
 /* Points by the Gauss rule, or with `on_edges` by a rule with points at corners and on edges. */
