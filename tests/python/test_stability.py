@@ -53,6 +53,23 @@ def test_a_rolled_strip_gains_by_the_leapfrog_not_by_its_contact():
         assert ((solid - solid[0]).max() > folding.GROWTH) == (fraction == 0.9)
 
 
+@pytest.mark.parametrize("fraction", [0.3, 0.6])
+def test_a_ring_folded_flat_does_not_pass_through_itself(fraction):
+    """(eq:self-adjacent, eq:step-quotient). A thin ring that is crushed fast folds flat along edges of its mesh, and
+    elements there are crushed to a tenth: neighbours do not pass through each other, and no element is inverted, as
+    the step is divided where the element is crushed."""
+    made, end = folding.pressed(shapes.ring(0.4, 0.05, (40, 1, 1), 0.06), 0.38, 0.38 / 3.0)
+    made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
+    with warnings.catch_warnings(), lab.booked() as books:
+        warnings.simplefilter("ignore")
+        fold = folding.Fold("body")
+        run = made.run(progress=False, output=False, watch=fold)
+    work = np.abs(run.energy["external"]).max()
+    assert fold.twice == 0
+    assert lab.rise(np.array(books)[:, 0]) < 1e-9 * work
+    assert (lab.own_energy(run.energy) - run.energy["total"][0]).max() <= folding.GROWTH * work
+
+
 def test_a_fold_gains_by_the_leapfrog_and_its_division():
     """A fold whose step is divided: its contact neither makes nor loses energy, so the verdict names the leapfrog, and
     as the run warns and half its step gains nothing it is told. A law that made some is told from it

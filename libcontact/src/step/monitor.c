@@ -14,9 +14,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounds of the power iteration when a monitor is created, and the fraction of noise that keeps all
- * directions in it. */
-enum { FIRST_ROUNDS = 12 };
+/* Rounds of the power iteration when a monitor is created, and of a check; and the fraction of
+ * noise that keeps all directions in it. */
+enum { FIRST_ROUNDS = 12, ROUNDS = 4 };
 static const double NOISE = 0.01, SMALL = 1e-6;
 /* The limit of growth after a loss, over that of growth (eq:growth-again). */
 static const double AGAIN = 5.0;
@@ -271,7 +271,8 @@ static ct_status check_stiffness(ct_monitor *w, ct_state *state, ct_error *error
 {
   const ct_problem *problem = w->problem;
   if (w->mode == NULL) return CT_OK;
-  ct_status status = iterate(w, state, error);
+  ct_status status = CT_OK;
+  for (int i = 0; status == CT_OK && i < ROUNDS; i++) status = iterate(w, state, error);
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator),
          omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
