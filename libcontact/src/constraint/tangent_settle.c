@@ -27,7 +27,7 @@ static void find_wanted(const ct_tangent *t, double may_stick, double *restrict 
                *X = t->slip.x[0], *Y = t->slip.x[1], *Z = t->slip.x[2];
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
-    // -- |Δs| <= 10 ε D max |T|, and |T| < μ λ or T · Δs >= 0 (eq:slip-stick)
+    // -- λ > 0, |Δs| <= 10 ε D max |T|, and |T| < μ λ or T · Δs >= 0 (eq:slip-stick)
     const double most = reach / scale[j], edge = (1.0 - ON_EDGE) * limit[j],
                  slow = most * most - ((X[j] * X[j] + Y[j] * Y[j]) + Z[j] * Z[j]),
                  within = edge * edge - ((x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]),
@@ -35,7 +35,7 @@ static void find_wanted(const ct_tangent *t, double may_stick, double *restrict 
                  held = within > along ? within : along, sticks = slow < held ? slow : held;
     // -- R = -½ T · slip (eq:slip-store)
     const double R = -0.5 * along, next = R > 0.0 ? R : 0.0;
-    wanted[j] = sticks >= 0.0 ? -1.0 : next;
+    wanted[j] = ((sticks >= 0.0) & (limit[j] > 0.0)) ? -1.0 : next;
   }
 }
 
